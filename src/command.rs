@@ -115,6 +115,8 @@ pub enum Command {
     SetSubstepMode(SubstepMode),
     /// Sets the time-stepping scheme, with its parameters; positions and velocities stay.
     SetIntegrator(IntegratorKind),
+    /// Sets the time-stepping scheme and the steps per 1/60 s as one change.
+    SetStepping(IntegratorKind, Substeps),
     /// Switches the guard.
     SetGuard(Toggle),
     /// Switches sleep.
@@ -179,6 +181,7 @@ impl Command {
             | Self::SetSubsteps(_)
             | Self::SetSubstepMode(_)
             | Self::SetIntegrator(_)
+            | Self::SetStepping(..)
             | Self::SetGuard(_)
             | Self::SetSleep(_) => About::Method,
             Self::SetMode(_)

@@ -153,7 +153,9 @@ impl StabilityProbe {
             *weighted = *weighted * inverse_mass.sqrt() + value;
         }
         let length = dot(vector, weighted).sqrt();
-        weighted.iter_mut().for_each(|value| *value /= length);
+        for value in weighted.iter_mut() {
+            *value /= length;
+        }
         self.basis.extend(vector.iter().map(|value| value / length));
         length
     }

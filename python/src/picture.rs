@@ -2,9 +2,10 @@
 
 use crate::{level::Level, simulation::array, value_error};
 use gingerbread::{
-    app::{Options, Picture, Stage},
+    app::{Options, Stage},
     command::Command,
     files::Disk,
+    picture::Picture,
     sandbox::Sandbox,
     snapshot::Snapshot,
 };

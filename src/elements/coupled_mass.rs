@@ -33,12 +33,11 @@ impl CoupledMass {
         all.sort_by_key(|(edge, _)| *edge);
         let mut coupled = Self::default();
         for (edge, weight) in all {
-            match coupled.weights.last_mut().filter(|_| coupled.edges.last() == Some(&edge)) {
-                Some(sum) => *sum += weight,
-                None => {
-                    coupled.edges.push(edge);
-                    coupled.weights.push(weight);
-                }
+            if let Some(sum) = coupled.weights.last_mut().filter(|_| coupled.edges.last() == Some(&edge)) {
+                *sum += weight;
+            } else {
+                coupled.edges.push(edge);
+                coupled.weights.push(weight);
             }
         }
         coupled

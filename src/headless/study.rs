@@ -6,11 +6,11 @@ use crate::{
     integrators::IntegratorKind,
     level::{Level, Substeps},
     study::{
-        Curve, Drift, ErrorBudget, ErrorSource, Invariant, Locking, LockingNumber, Measure, MeshMoment, MeshPlan,
-        MeshPoint, MeshStudy, Outcome, Plan, Point, Price, Progress, Reference, Status, StudyError, Trial,
-        USUAL_ERRORS, WorkPrecision, order_in_words, price_in_words, threads,
+        Curve, Dial, DialPlan, Drift, ErrorBudget, ErrorSource, Invariant, Locking, LockingNumber, Measure, MeshMoment,
+        MeshPlan, MeshPoint, MeshStudy, Outcome, Plan, Point, Price, Progress, Reached, Reference, Status, StudyError,
+        Trial, USUAL_ERRORS, WorkPrecision, order_in_words, price_in_words, threads,
     },
-    table::{Table, remark},
+    table::remark,
     terminal,
 };
 use std::{fmt::Write as _, path::PathBuf, str::FromStr as _, time::Duration};
@@ -40,6 +40,11 @@ pub struct Study {
     /// Tells how much of the error comes from the time step, the mesh, contact, sleep, and each effect, in place of comparing integrators.
     #[arg(long, conflicts_with_all = ["meshes", "drift", "integrators", "steps"])]
     pub budget: bool,
+    /// Finds for each integrator the cheapest step with which 95 % of the frames are within these errors [%], separated by commas, in place
+    /// of comparing steps.
+    #[arg(long, value_delimiter = ',', value_parser = per_cent)]
+    #[arg(conflicts_with_all = ["meshes", "drift", "budget", "steps", "error"])]
+    pub wanted: Vec<f64>,
     /// Simulated time \[s\].
     #[arg(long, default_value = "1", value_parser = super::seconds)]
     pub seconds: f64,
@@ -69,6 +74,7 @@ pub fn study(request: &Study) -> Result<Ending, HeadlessError> {
         Some(triangles) => meshes(request, &level, triangles.clone()).map_err(fail)?,
         None if request.drift => drift(request, &level).map_err(fail)?,
         None if request.budget => budget(request, &level).map_err(fail)?,
+        None if !request.wanted.is_empty() => dial(request, &level).map_err(fail)?,
         None => integrators(request, &level).map_err(fail)?,
     };
     let stopped = Interrupt::seen().filter(|_| done < 1.0);
@@ -165,7 +171,7 @@ fn lines(curve: &Curve, reference: &Reference) -> String {
     for Point { setting, outcome, current } in &curve.points {
         let Some(outcome) = outcome else { continue };
         let tolerance = setting.tolerance().map_or("-".to_owned(), |tolerance| format!("{tolerance:.0e}"));
-        let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
+        let Outcome { error, greatest_error, status, counts, ms_per_second, runs, .. } = outcome;
         let [error, largest, note] = if *status == Status::Unstable {
             ["unstable".to_owned(), "-".to_owned(), String::new()]
         } else {
@@ -301,28 +307,85 @@ impl Study {
     }
 }
 
-/// The error budget, with its sources by the error that they remove for their price.
+/// For each wanted error the cheapest step of each integrator.
+fn dial(request: &Study, level: &Level) -> Result<Studied, StudyError> {
+    let wanted = request.wanted.iter().map(|per_cent| 0.01 * per_cent).collect();
+    let plan = DialPlan { integrators: request.schemes(), wanted, threads: request.threads() };
+    let trial = trial(request, level)?;
+    begin(request, &trial);
+    let mut dial = Dial::new(trial, plan);
+    let done = with_progress(&request.progress_options, |budget| dial.advance(budget))?;
+    let mut table = format!("{}, {} s simulated", terminal::line(&level.name), dial.trial().seconds());
+    // Writing to a string cannot fail.
+    let _ = dial.reference().map(|reference| {
+        write!(table, "; reference: {} (own error at most {:.1e})", reference.source, reference.own_error)
+    });
+    if let Some(why) = dial.no_errors() {
+        let _ = write!(table, "\n\n{why}.");
+        return Ok(Studied { table, csv: dial.csv(), done });
+    }
+    table +=
+        "\nerror: what 95 % of the frames are within: RMS over the vertices, over the RMS motion of all frames\nms/s: ";
+    table += &price_in_words();
+    for wanted in dial.plan().wanted.clone() {
+        let _ = write!(table, "\n\nWanted: {} %", 100.0 * wanted);
+        if !dial.tells(wanted) {
+            table += "\n  The reference is not exact enough to tell.";
+            continue;
+        }
+        table += "\n  scheme                    steps/frame  tolerance      error    ms/s  runs";
+        for (integrator, reached) in dial.reached(wanted) {
+            let title = integrator.kind().title();
+            let Some(Reached { setting, outcome }) = reached else {
+                let _ = write!(table, "\n  {title:<24}  {:>11}", "-");
+                continue;
+            };
+            let tolerance = setting.tolerance().map_or("-".to_owned(), |tolerance| format!("{tolerance:.1e}"));
+            let Outcome { usual_error, ms_per_second, runs, .. } = outcome;
+            let _ = write!(
+                table,
+                "\n  {title:<24}  {:>11}  {tolerance:>9}  {usual_error:>9.2e}  {ms_per_second:>6.1}  {runs:>4}",
+                setting.substeps.get(),
+            );
+        }
+        let _ = write!(table, "\n  {}", cheapest(&dial, wanted));
+    }
+    table += "\n\nA line without numbers: the error is not reached, or would cost far more than with another scheme.";
+    Ok(Studied { table, csv: dial.csv(), done })
+}
+
+/// Sentence about the cheapest setting for an error, and what it costs with the scheme of the level.
+fn cheapest(dial: &Dial, wanted: f64) -> String {
+    let Some(Reached { setting, outcome }) = dial.cheapest(wanted) else {
+        return "Nothing reaches it.".to_owned();
+    };
+    let own = dial.trial().current.integrator.name();
+    let of_level = dial.reached(wanted).find(|(integrator, _)| integrator.name() == own);
+    let than_level = match of_level.map(|(_, reached)| reached) {
+        Some(Some(same)) if same.setting == *setting => String::new(),
+        Some(Some(level)) => format!(
+            "; {:.1} times cheaper than {}, which the level uses",
+            level.outcome.ms_per_second / outcome.ms_per_second,
+            level.setting.label()
+        ),
+        Some(None) => "; the scheme of the level does not reach it".to_owned(),
+        None => String::new(),
+    };
+    format!("Cheapest: {}, {:.1} ms per simulated second{than_level}.", setting.label(), outcome.ms_per_second)
+}
+
+/// The error budget.
 fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
     Interrupt::watch();
     let mut budget = ErrorBudget::new(level, &files::Disk, request.seconds, request.threads())?;
-    let done = with_progress(&request.progress_options, |_| Ok(budget.advance()))?;
-    let mut csv = Table::new(String::new(), &["source", "change", "moved", "error", "price", "trouble"]);
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.6e}"));
-    for ErrorSource { name, change, moved, error, price, trouble } in budget.sources() {
-        csv.row([
-            name.clone(),
-            change.clone(),
-            number(*moved),
-            number(*error),
-            number(*price),
-            trouble.clone().unwrap_or_default(),
-        ]);
-    }
+    let done = with_progress(&request.progress_options, |time| budget.advance(time))?;
+    let whole = budget
+        .ms_per_second()
+        .map_or_else(String::new, |ms| format!(", {ms:.1} ms per second of simulated time as it is"));
     let mut table = format!(
-        "{}, {} s simulated, {:.1} ms per second of simulated time as it is\n\n{:<22} {:<26} {:>9} {:>9} {:>7}",
+        "{}, {} s simulated{whole}\n\n{:<22} {:<26} {:>9} {:>9} {:>7}",
         terminal::line(&level.name),
         request.seconds,
-        budget.ms_per_second(),
         "source",
         "changed to",
         "moves by",
@@ -330,7 +393,7 @@ fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
         "price"
     );
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", 100.0 * value));
-    for ErrorSource { name, change, moved, error, price, trouble } in budget.sources() {
+    for ErrorSource { name, change, moved, error, price, trouble, .. } in budget.sources() {
         let price = price.map_or("-".to_owned(), |price| format!("{price:.2}"));
         // Writing to a string cannot fail.
         let _ = write!(table, "\n{name:<22} {change:<26} {:>9} {:>9} {price:>7}", share(*moved), share(*error));
@@ -339,10 +402,10 @@ fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
         }
     }
     table.push_str(
-        "\n\nMoves by: relative distance of the run from that of the level as it is. Error: what is left of it by the order of its convergence. Price: \
-         processor time as a multiple of that of the level as it is.",
+        "\n\nFirst what can be refined, by the distance for its price, then the effects. Moves by: relative distance of the run from that of the level as it \
+         is. Error: what is left of it by the order of its convergence. Price: processor time as a multiple of that of the level as it is.",
     );
-    Ok(Studied { table, csv: csv.text(), done })
+    Ok(Studied { table, csv: budget.csv(), done })
 }
 
 /// Runs a job until it is finished or a signal asks for a stop, with progress. Returns the share of the work done.

@@ -131,7 +131,7 @@ fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
 
 const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
 
-/// Adds, removes and changes whole parts; other commands change nothing here.
+/// Adds, removes and changes whole parts, and sets scheme and step together; other commands change nothing here.
 fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option<Gesture>), Refused> {
     match command {
         Command::SetEnergy(part, energy) => {
@@ -151,6 +151,10 @@ fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option
             document.level.bodies.remove(body);
             document.level.state = None;
             Ok((Then::Restart, None))
+        }
+        Command::SetStepping(integrator, substeps) => {
+            (document.level.integrator, document.level.substeps) = (integrator, substeps);
+            Ok((Then::Keep, None))
         }
         _ => Ok((Then::Keep, None)),
     }

@@ -1,8 +1,8 @@
 //! CSV tables of the studies, and their header lines: level, commit and machine.
 
 use super::{
-    CLOCK, Drift, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome, Status, Trial, WorkPrecision,
-    order_in_words,
+    CLOCK, Dial, Drift, ErrorBudget, ErrorSource, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy,
+    Outcome, Reached, Status, Trial, WorkPrecision, order_in_words,
 };
 use crate::table::{Table, remark};
 use std::sync::OnceLock;
@@ -141,7 +141,7 @@ impl WorkPrecision {
             let [order, order_remark] = order_columns(&curve.order);
             for point in &curve.points {
                 let Some(outcome) = &point.outcome else { continue };
-                let Outcome { error, greatest_error, status, counts, ms_per_second, runs } = outcome;
+                let Outcome { error, greatest_error, status, counts, ms_per_second, runs, .. } = outcome;
                 let note =
                     self.reference().filter(|_| *status != Status::Unstable).map(|known| known.limits().note(*error));
                 let remark = note.flatten().map_or("", |note| note.words());
@@ -170,6 +170,80 @@ impl WorkPrecision {
                     runs.to_string(),
                 ]);
             }
+        }
+        table.text()
+    }
+}
+
+impl Dial {
+    /// Dial so far as CSV, one row per wanted error and scheme.
+    pub fn csv(&self) -> String {
+        let reference = self.reference().map_or("none yet".to_owned(), |reference| reference.source.to_string());
+        let own = self.reference().map_or_else(String::new, |reference| finite(reference.own_error));
+        let mut more = vec![
+            ("reference", reference),
+            ("reference_error_at_most", own),
+            (
+                "usual_error",
+                "what 95 % of the frames are within: RMS over vertices, over the RMS motion of all frames".to_owned(),
+            ),
+            ("ms_per_simulated_s", price_in_words()),
+        ];
+        more.extend(self.no_errors().map(|why| ("remark", why.to_string())));
+        let columns = [
+            "wanted",
+            "integrator",
+            "reached",
+            "substeps",
+            "tolerance",
+            "usual_error",
+            "error",
+            "greatest_error",
+            "force_evaluations",
+            "factorisations",
+            "ms_per_simulated_s",
+            "ms_least_of_runs",
+        ];
+        let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
+        for wanted in &self.plan().wanted {
+            for (integrator, reached) in self.reached(*wanted) {
+                let named = [wanted.to_string(), integrator.name().to_owned(), reached.is_some().to_string()];
+                let Some(Reached { setting, outcome }) = reached else {
+                    table.row(named.into_iter().chain(std::iter::repeat_n(String::new(), columns.len() - 3)));
+                    continue;
+                };
+                table.row(named.into_iter().chain([
+                    setting.substeps.get().to_string(),
+                    setting.tolerance().map_or_else(String::new, |tolerance| format!("{tolerance:.4e}")),
+                    finite(outcome.usual_error),
+                    finite(outcome.error),
+                    finite(outcome.greatest_error),
+                    outcome.counts.force_evaluations.to_string(),
+                    outcome.counts.factorisations.to_string(),
+                    format!("{:.4}", outcome.ms_per_second),
+                    outcome.runs.to_string(),
+                ]));
+            }
+        }
+        table.text()
+    }
+}
+
+impl ErrorBudget {
+    /// Budget so far as CSV, one row per source.
+    pub fn csv(&self) -> String {
+        let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.6e}"));
+        let about = [
+            ("simulated_seconds", self.seconds().to_string()),
+            ("ms_per_simulated_s", self.ms_per_second().map_or_else(String::new, |ms| format!("{ms:.4}"))),
+            ("moved", "relative distance of the run from that of the level as it is".to_owned()),
+            ("ms_price", "processor time as a multiple of that of the level as it is".to_owned()),
+        ];
+        let columns = ["source", "change", "moved", "error", "ms_price", "trouble"];
+        let mut table = Table::new(head(self.name(), self.threads(), &about), &columns);
+        for ErrorSource { name, change, moved, error, price, trouble, .. } in self.sources() {
+            let trouble = trouble.clone().unwrap_or_default();
+            table.row([name.clone(), change.clone(), number(*moved), number(*error), number(*price), trouble]);
         }
         table.text()
     }

@@ -4,7 +4,8 @@
 //! than the settings under study, with a bound on its own error. A [`WorkPrecision`] diagram runs the trial with many
 //! [`Setting`]s. A [`Suggestion`] is the cheapest of them for an error. A [`MeshStudy`] varies the mesh instead of
 //! the step. A [`Twin`] measures the error of a running simulation. A [`Difference`] compares two runs. A [`Drift`]
-//! measures the changes of energy and momentum by a scheme. An [`ErrorBudget`] tells how much of the error comes from where.
+//! measures the changes of energy and momentum by a scheme. An [`ErrorBudget`] tells how much of the error comes from where. A [`Dial`]
+//! finds the cheapest step of each scheme for an error that is wanted.
 //!
 //! Long computations are jobs: `advance(budget)` works for about that time and returns its [`Progress`]. Partial
 //! results can be read at any time. Dropping a job cancels it. Results do not depend on budgets or on the number of
@@ -25,6 +26,7 @@
 //! ```
 
 mod budget;
+mod dial;
 mod difference;
 mod drift;
 #[cfg(feature = "csv")]
@@ -39,7 +41,8 @@ mod trial;
 mod twin;
 mod work_precision;
 
-pub use budget::{ErrorBudget, Source as ErrorSource};
+pub use budget::{ErrorBudget, Source as ErrorSource, SourceKind};
+pub use dial::{Dial, DialPlan, Reached};
 pub use difference::{Apart, Correspondence, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
 #[cfg(feature = "csv")]

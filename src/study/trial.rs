@@ -101,6 +101,8 @@ pub struct Outcome {
     pub error: f64,
     /// Largest error of a frame: RMS over the vertices at that frame, over the same RMS motion.
     pub greatest_error: f64,
+    /// Error of a frame that 95 % of the frames are within.
+    pub usual_error: f64,
     /// Status of the run.
     pub status: Status,
     /// Work counts, equal on every machine.
@@ -141,14 +143,15 @@ impl Deviation {
         Self::new(self.dimension)
     }
 
-    /// Adds one moment: positions, exact positions and start positions \[m\].
-    pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) {
+    /// Adds one moment: positions, exact positions and start positions \[m\]. Returns the sum of its squared errors \[m²\].
+    pub fn add(&mut self, x: &[f64], exact: &[f64], start: &[f64]) -> f64 {
         let error = x.iter().zip(exact).map(|(x, exact)| (x - exact) * (x - exact)).sum::<f64>();
         self.error += error;
         self.greatest = self.greatest.max(error);
         self.moments += 1.0;
         self.coordinates = x.len().max(1) as f64;
         self.size += exact.iter().zip(start).map(|(exact, start)| (exact - start) * (exact - start)).sum::<f64>();
+        error
     }
 
     /// Error of this single moment over the RMS motion of all moments so far.
@@ -168,7 +171,12 @@ impl Deviation {
 
     /// Largest error of a moment, over the same motion as the [relative](Self::relative) error.
     pub fn greatest(self) -> f64 {
-        if self.greatest == 0.0 { 0.0 } else { (self.greatest * self.moments / self.size).sqrt() }
+        self.of_moment(self.greatest)
+    }
+
+    /// Error of a moment with this sum of squared errors \[m²\], over the same motion.
+    fn of_moment(self, squares: f64) -> f64 {
+        if squares == 0.0 { 0.0 } else { (squares * self.moments / self.size).sqrt() }
     }
 
     /// Relative RMS error. Zero if the error is zero, even without motion.
@@ -181,6 +189,8 @@ impl Deviation {
 pub struct TrialRun {
     march: March,
     deviation: Deviation,
+    /// Sum of squared errors of each frame \[m²\].
+    frames: Vec<f64>,
     diverged: bool,
 }
 
@@ -188,7 +198,7 @@ impl TrialRun {
     /// Prepares a run of a trial with a setting.
     pub fn new(trial: &Trial, setting: &Setting) -> Self {
         let deviation = Deviation::new(trial.scene.dimension);
-        Self { march: trial.march(setting), deviation, diverged: false }
+        Self { march: trial.march(setting), deviation, frames: Vec::new(), diverged: false }
     }
 
     /// Works for about `budget`. Returns the outcome when the run is over.
@@ -197,9 +207,9 @@ impl TrialRun {
     }
 
     pub(super) fn until(&mut self, trial: &Trial, reference: &Reference, deadline: Deadline) -> Option<Outcome> {
-        let Self { march, deviation, diverged } = self;
+        let Self { march, deviation, frames, diverged } = self;
         let over = march.advance(deadline, &mut |frame, simulation| {
-            deviation.add(&simulation.state().x, reference.at(frame), &trial.start.x);
+            frames.push(deviation.add(&simulation.state().x, reference.at(frame), &trial.start.x));
             *diverged = deviation.metres() > DIVERGED * deviation.motion().max(SMALL * reference.extent());
             if *diverged { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -228,8 +238,27 @@ impl TrialRun {
         };
         let of = |error: f64| if stopped { f64::INFINITY } else { error };
         let (error, greatest_error) = (of(self.deviation.relative()), of(self.deviation.greatest()));
-        Outcome { error, greatest_error, status, counts, ms_per_second: self.march.ms_per_second(), runs: 1 }
+        let usual_error = of(self.deviation.of_moment(quantile(&self.frames)));
+        Outcome {
+            error,
+            greatest_error,
+            usual_error,
+            status,
+            counts,
+            ms_per_second: self.march.ms_per_second(),
+            runs: 1,
+        }
     }
+}
+
+/// The least of some numbers that 95 % of them are within; zero if there are none.
+fn quantile(numbers: &[f64]) -> f64 {
+    /// Part of the numbers that is within.
+    const PART: f64 = 0.95;
+    let mut sorted = numbers.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let within = libm::ceil(PART * sorted.len() as f64) as usize;
+    sorted.get(within.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
 /// Integrator with its parameters, and number of steps per frame.
@@ -249,12 +278,7 @@ impl Setting {
 
     /// Commands that apply the setting to a sandbox. Positions and velocities stay.
     pub fn commands(&self) -> Vec<Command> {
-        vec![
-            Command::EndGesture,
-            Command::SetIntegrator(self.integrator.clone()),
-            Command::SetSubsteps(self.substeps),
-            Command::EndGesture,
-        ]
+        vec![Command::EndGesture, Command::SetStepping(self.integrator.clone(), self.substeps), Command::EndGesture]
     }
 
     /// Relative tolerance, if the scheme controls its error.
@@ -289,7 +313,7 @@ fn tolerances(integrator: &mut IntegratorKind) -> Vec<&mut dyn crate::quantity::
 }
 
 /// Scheme with all tolerances set to a value. `None` if it has none, or if the value is out of range.
-fn with_tolerance(integrator: &IntegratorKind, value: f64) -> Option<IntegratorKind> {
+pub(super) fn with_tolerance(integrator: &IntegratorKind, value: f64) -> Option<IntegratorKind> {
     let mut integrator = integrator.clone();
     let mut tolerances = tolerances(&mut integrator);
     if tolerances.is_empty() || !tolerances.iter_mut().all(|tolerance| tolerance.set(value).is_ok()) {

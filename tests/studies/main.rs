@@ -3,6 +3,7 @@
 mod budget;
 #[path = "../common/mod.rs"]
 mod common;
+mod dial;
 mod difference;
 mod drift_and_meshes;
 #[path = "../common/program.rs"]

@@ -1,7 +1,7 @@
 //! What the window says about accuracy and its price.
 
 use crate::harness::*;
-use eframe::egui::{Key, Role};
+use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gingerbread::command::Mode;
 use gingerbread::files;
@@ -81,4 +81,36 @@ fn the_diagram_waits_for_a_click_and_says_what_it_will_do() {
     click(&mut window, "Work-precision diagram");
     window.run_steps(30);
     assert!(window.query_by_label("Measure").is_none(), "the same button closes it");
+}
+
+/// The dial uses what it finds, tells what that costs, and shows the error beside it.
+#[test]
+fn a_wanted_error_sets_scheme_and_step_and_is_taken_back() {
+    let mut window = in_mode("hanging_net", Mode::Simulate);
+    let stepping = |window: &Window| {
+        let level = &window.state().sandbox().document().level;
+        (level.integrator.clone(), level.substeps)
+    };
+    let before = stepping(&window);
+    click_in_panel(&mut window, "Set the wanted error");
+    wait_until_gone(&mut window, "Cancel the search");
+    window.run_steps(3);
+    assert_ne!(stepping(&window), before);
+    let told = |window: &Window, words: &str| window.query_all_by_label_contains(words).next().is_some();
+    assert!(told(&window, "1.00 % over 1 s: ") && told(&window, "of it for the last digit"));
+    assert!(told(&window, "Error now"), "it is measured from now on");
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(stepping(&window), before);
+    assert!(told(&window, "which is not used now"));
+}
+
+#[test]
+fn a_wanted_error_of_what_does_not_move_sets_nothing() {
+    let mut window = open("gingerbread");
+    let before = window.state().sandbox().document().clone();
+    click_in_panel(&mut window, "Set the wanted error");
+    wait_until_gone(&mut window, "Cancel the search");
+    window.run_steps(3);
+    assert!(window.query_all_by_label_contains("Nothing moves here").next().is_some());
+    assert_eq!(*window.state().sandbox().document(), before);
 }

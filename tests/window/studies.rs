@@ -140,6 +140,22 @@ fn the_mesh_study_tells_how_much_triangles_lock() {
 }
 
 #[test]
+fn the_error_budget_is_drawn_and_saved() {
+    let mut window = open("hanging_net");
+    measure(&mut window, "Error budget");
+    draw(&window);
+    for label in ["Moves by", "half of it", "left out"] {
+        assert!(window.query_all_by_label(label).next().is_some(), "{label}");
+    }
+    let table = table(&mut window, "Budget as CSV");
+    has_head(&table, &["# ms_per_simulated_s: "]);
+    assert!(table.contains("\ntime step,half of it,") && table.contains("\ngravity,left out,"), "{table}");
+    let mut window = open("gingerbread");
+    measure(&mut window, "Error budget");
+    assert!(window.query_by_label_contains("Nothing moves in this level").is_some());
+}
+
+#[test]
 fn a_study_of_a_scene_at_rest_says_so_and_suggests_nothing() {
     let mut window = open("gingerbread");
     measure(&mut window, "Work-precision diagram");
@@ -177,7 +193,7 @@ fn studies_fit_into_a_small_window_with_a_name_on_every_widget() {
             click(&mut window, "Cost panel");
         }
         measure(&mut window, "Work-precision diagram");
-        for topic in ["Meshes", "Drift", "Accuracy"] {
+        for topic in ["Meshes", "Drift", "Budget", "Accuracy"] {
             if size.0 < 900.0 {
                 click(&mut window, topic);
             } else {

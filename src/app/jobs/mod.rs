@@ -2,8 +2,8 @@
 
 mod studies;
 
+pub use studies::{Budget, Course, Courses, Diagram, DialFindings, Mesh, MeshFindings, Meshes, SECONDS, TARGETS};
 pub use studies::{Choice, Hard, Known};
-pub use studies::{Course, Courses, Diagram, Mesh, MeshFindings, Meshes, SECONDS, TARGETS};
 
 use super::advice::Limit;
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     sandbox::Sandbox,
     stability::StabilityProbe,
     state::State,
-    study::{Drift, Measure, Progress, Savings, StudyError, Twin, WorkPrecision},
+    study::{Dial, Drift, ErrorBudget, Measure, Progress, Savings, StudyError, Twin, WorkPrecision},
 };
 use std::{
     sync::{
@@ -40,6 +40,8 @@ pub enum Topic {
     Meshes,
     /// Energy and momentum over time.
     Drift,
+    /// Sources of error.
+    Budget,
 }
 
 /// Requests of the panels. Only one study runs at a time.
@@ -49,8 +51,12 @@ pub enum JobRequest {
     Accuracy,
     /// Compare meshes by this measure.
     Meshes(Measure),
+    /// Find the cheapest scheme and step for this error, from the present state.
+    Dial(f64),
     /// Follow energy and momentum from the present state for this simulated time \[s\].
     Drift(f64),
+    /// Measure the sources of error of the level from its start.
+    Budget,
     /// Run hard cases.
     Hard(Choice),
     /// Stop the running study; its findings stay.
@@ -74,10 +80,14 @@ pub struct Jobs {
     twin: Option<Twin>,
     /// The work-precision diagram.
     pub accuracy: Study<WorkPrecision>,
+    /// The accuracy dial.
+    pub dial: Study<Dial>,
     /// Errors of meshes against time.
     pub meshes: Study<Meshes>,
     /// Energy and momentum over time.
     pub drift: Study<Drift>,
+    /// Sources of error.
+    pub budget: Study<ErrorBudget>,
     /// Runs of hard cases.
     pub hard: Study<Hard>,
     /// Time saved by skipping effects.
@@ -147,14 +157,17 @@ impl Jobs {
             Topic::Accuracy => self.accuracy.is_running(),
             Topic::Meshes => self.meshes.is_running(),
             Topic::Drift => self.drift.is_running(),
+            Topic::Budget => self.budget.is_running(),
         }
     }
 
     /// Whether any study is running.
     pub const fn is_busy(&self) -> bool {
         self.accuracy.is_running()
+            || self.dial.is_running()
             || self.meshes.is_running()
             || self.drift.is_running()
+            || self.budget.is_running()
             || self.hard.is_running()
             || self.savings.is_running()
     }
@@ -165,6 +178,7 @@ impl Jobs {
             Topic::Accuracy => self.accuracy.findings().map(|findings| findings.progress.done),
             Topic::Meshes => self.meshes.findings().map(|findings| findings.progress.done),
             Topic::Drift => self.drift.findings().map(|findings| findings.progress.done),
+            Topic::Budget => self.budget.findings().map(|findings| findings.progress.done),
         }
     }
 
@@ -180,6 +194,10 @@ impl Jobs {
                 let level = level();
                 self.accuracy.start(move || studies::accuracy(&level));
             }
+            JobRequest::Dial(wanted) => {
+                let level = level();
+                self.dial.start(move || studies::dial(&level, wanted));
+            }
             JobRequest::Meshes(measure) => {
                 let level = level();
                 self.meshes.start(move || studies::meshes(&level, measure));
@@ -187,6 +205,10 @@ impl Jobs {
             JobRequest::Drift(seconds) => {
                 let level = level();
                 self.drift.start(move || studies::drift(&level, seconds));
+            }
+            JobRequest::Budget => {
+                let level = level();
+                self.budget.start(move || studies::budget(&level));
             }
             JobRequest::Hard(choice) => {
                 let known = self.hard.findings().map(|findings| findings.results.clone()).unwrap_or_default();
@@ -203,8 +225,10 @@ impl Jobs {
 
     fn cancel(&mut self) {
         self.accuracy.cancel();
+        self.dial.cancel();
         self.meshes.cancel();
         self.drift.cancel();
+        self.budget.cancel();
         self.hard.cancel();
         self.savings.cancel();
     }
@@ -229,8 +253,10 @@ impl Jobs {
             !twin.advance(simulation, Duration::from_millis(8))
         });
         self.accuracy.collect();
+        self.dial.collect();
         self.meshes.collect();
         self.drift.collect();
+        self.budget.collect();
         self.hard.collect();
         self.savings.collect();
         behind || self.is_busy() || doubtful && !sandbox.is_busy()

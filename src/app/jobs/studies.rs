@@ -8,9 +8,10 @@ use crate::{
     level::Level,
     materials::Model,
     study::{
-        Curve, Drift, Invariant, Limits, Locking, LockingNumber, Measure, MeasuredOrder, MeshMoment, MeshPlan,
-        MeshPoint, MeshReference, MeshStudy, NoErrors, NoMeshReference, Plan, Price, Progress, Reference, Saving,
-        Savings, Setting, Status, StudyError, Suggestion, Trial, USUAL_ERRORS, WorkPrecision,
+        Curve, Dial, DialPlan, Drift, ErrorBudget, ErrorSource, Invariant, Limits, Locking, LockingNumber, Measure,
+        MeasuredOrder, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoErrors, NoMeshReference, Plan,
+        Price, Progress, Reached, Reference, Saving, Savings, Setting, Status, StudyError, Suggestion, Trial,
+        USUAL_ERRORS, WorkPrecision,
     },
 };
 use std::{path::Path, sync::Arc, time::Duration};
@@ -54,6 +55,45 @@ impl Diagram {
         };
         let mut usual = USUAL_ERRORS.iter().filter_map(number);
         usual.clone().find(reached).or_else(|| usual.next()).unwrap_or_default()
+    }
+}
+
+/// Results of the accuracy dial.
+#[derive(Clone, Default)]
+pub struct DialFindings {
+    /// Wanted error.
+    pub wanted: f64,
+    /// The cheapest setting that keeps it.
+    pub cheapest: Option<Reached>,
+    /// The cheapest setting for ten times the error.
+    pub tenfold: Option<Reached>,
+    /// Reason why no error can be kept.
+    pub trouble: Option<String>,
+}
+
+/// Prepares the accuracy dial of a level from its state, for a wanted error and for ten times as much.
+pub fn dial(level: &Level, wanted: f64) -> Result<Dial, StudyError> {
+    let plan = DialPlan { wanted: vec![10.0 * wanted, wanted], threads: threads(), ..DialPlan::default() };
+    Ok(Dial::new(Trial::new(level, &Disk, SECONDS)?, plan))
+}
+
+impl Task for Dial {
+    type Results = DialFindings;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Self::advance(self, budget)
+    }
+
+    fn results(&self) -> DialFindings {
+        let [tenfold, wanted] = [0, 1].map(|number| self.plan().wanted.get(number).copied().unwrap_or_default());
+        let unclear = || (self.reference().is_some() && !self.tells(wanted)).then_some(());
+        let unclear = unclear().map(|()| "the motion is chaotic, or too stiff to tell so small an error".to_owned());
+        DialFindings {
+            wanted,
+            cheapest: self.cheapest(wanted).cloned(),
+            tenfold: self.cheapest(tenfold).cloned(),
+            trouble: self.no_errors().map(|why| why.to_string()).or(unclear),
+        }
     }
 }
 
@@ -239,6 +279,37 @@ impl Task for Drift {
             words: Invariant::ALL.map(|invariant| (self.changed_by(invariant).join(", "), self.nothing_of(invariant))),
             csv: self.csv(),
         }
+    }
+}
+
+/// Results of the error budget.
+#[derive(Clone, Default)]
+pub struct Budget {
+    /// Title of the level.
+    pub level: String,
+    /// Processor time of the level as it is, per second of simulated time \[ms\]; `None` before its run is over.
+    pub ms_per_second: Option<f64>,
+    /// Sources of error, in the order of [`ErrorBudget::sources`].
+    pub sources: Vec<ErrorSource>,
+    /// The table as comma-separated values.
+    pub csv: String,
+}
+
+/// Prepares the error budget of a level, from its start.
+pub fn budget(level: &Level) -> Result<ErrorBudget, StudyError> {
+    ErrorBudget::new(level, &Disk, SECONDS, threads())
+}
+
+impl Task for ErrorBudget {
+    type Results = Budget;
+
+    fn advance(&mut self, budget: Duration) -> Result<Progress, StudyError> {
+        Self::advance(self, budget)
+    }
+
+    fn results(&self) -> Budget {
+        let sources = self.sources().cloned().collect();
+        Budget { level: self.name().to_owned(), ms_per_second: self.ms_per_second(), sources, csv: self.csv() }
     }
 }
 

@@ -2,8 +2,10 @@
 
 mod banner;
 mod body;
+mod budget;
 mod compare;
 mod cost;
+mod dial;
 mod effects;
 mod energy;
 mod finish;
@@ -86,6 +88,8 @@ pub struct View {
     pub hard: hard::HardSettings,
     /// Requests for the studies.
     pub requests: Vec<JobRequest>,
+    /// State of the accuracy dial.
+    pub dial: dial::DialSettings,
     /// Display settings of the studies.
     pub studies: studies::StudiesSettings,
     /// The plot whose picture is being taken.

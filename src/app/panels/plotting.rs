@@ -153,6 +153,8 @@ pub enum Figure {
     Meshes,
     /// Energy and momentum over time.
     Drift,
+    /// Sources of error.
+    Budget,
     /// Distance of two panes.
     Difference,
     /// Numbers of probes over time.
@@ -167,6 +169,7 @@ impl Figure {
             Self::Accuracy => "Accuracy",
             Self::Meshes => "Meshes",
             Self::Drift => "Drift",
+            Self::Budget => "Budget",
             Self::Difference => "Difference",
             Self::Probes => "Probes",
         }

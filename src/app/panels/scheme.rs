@@ -1,6 +1,6 @@
 //! Panel of time stepping: integrator, step and stability limit.
 
-use super::{PanelContext, View, apply_response, count, fixed, heading, row, widgets};
+use super::{PanelContext, View, apply_response, count, dial, fixed, heading, row, widgets};
 use crate::{
     app::{jobs::JobRequest, numbers, theme::Theme},
     command::Command,
@@ -14,11 +14,14 @@ const ALL: f32 = 400.0;
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
     heading(ui, "Time stepping");
+    dial::show(ui, context, view, commands);
     choose(ui, context, commands);
     parameters(ui, context, view, commands);
     gauge(ui, context);
-    guard(ui, context, commands);
-    sleep(ui, context, commands);
+    ui.horizontal_wrapped(|ui| {
+        guard(ui, context, commands);
+        sleep(ui, context, commands);
+    });
     error_now(ui, context, view);
 }
 
@@ -103,19 +106,17 @@ fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let help = "Repeats a step as up to 64 shorter ones when it is unstable: when the total energy grows although no work is done, \
                 or a value is not finite. Switch it off to see the instability.";
     let mut on = now.level.guard == Toggle::On;
-    ui.horizontal(|ui| {
-        if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
-            commands.extend([Command::SetGuard(on.into()), Command::EndGesture]);
-        }
-        let words = match (on && now.guarded > 0, now.guard_substeps) {
-            (false, _) => return,
-            (true, 1) if now.guarded == 1 => "1 step was divided into shorter ones".to_owned(),
-            (true, 1) => format!("{} steps were divided into shorter ones", count(now.guarded as usize)),
-            (true, parts) => format!("divides each step into {parts}; {} steps so far", count(now.guarded as usize)),
-        };
-        let color = if now.guard_substeps > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
-        ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
-    });
+    if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
+        commands.extend([Command::SetGuard(on.into()), Command::EndGesture]);
+    }
+    let words = match (on && now.guarded > 0, now.guard_substeps) {
+        (false, _) => return,
+        (true, 1) if now.guarded == 1 => "1 step was divided into shorter ones".to_owned(),
+        (true, 1) => format!("{} steps were divided into shorter ones", count(now.guarded as usize)),
+        (true, parts) => format!("divides each step into {parts}; {} steps so far", count(now.guarded as usize)),
+    };
+    let color = if now.guard_substeps > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+    ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
 }
 
 /// Draws the switch of sleep and the share of the scene that sleeps.
@@ -127,17 +128,15 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let help = "Bodies and nets that have been at rest for half a second are not computed until something acts on them: a pull, or a \
                 changed effect or number. While all of them sleep, nothing is redrawn.";
     let mut on = now.level.sleep == Toggle::On;
-    ui.horizontal(|ui| {
-        if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
-            commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
-        }
-        let words = match (now.asleep, now.part_count()) {
-            (0, _) => return,
-            (asleep, all) if asleep == all => "everything sleeps".to_owned(),
-            (asleep, all) => format!("{asleep} of {all} sleep"),
-        };
-        ui.label(RichText::new(words).small()).on_hover_text(help);
-    });
+    if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
+        commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
+    }
+    let words = match (now.asleep, now.part_count()) {
+        (0, _) => return,
+        (asleep, all) if asleep == all => "everything sleeps".to_owned(),
+        (asleep, all) => format!("{asleep} of {all} sleep"),
+    };
+    ui.label(RichText::new(words).small()).on_hover_text(help);
 }
 
 /// Sentence about the step and its limit; `own` is true if the step is that of the stiffest body alone.

@@ -1,8 +1,8 @@
-//! Window of the studies: accuracy, meshes and drift. A study runs in the background while the scene goes on, and shows its results
+//! Window of the studies: accuracy, meshes, drift and error budget. A study runs in the background while the scene goes on, and shows its results
 //! so far.
 
 use super::{
-    PanelContext, View, heading,
+    PanelContext, View, budget, heading,
     plotting::{self, Figure},
     study_plots,
     widgets::{Segment, segmented},
@@ -32,7 +32,7 @@ pub struct StudiesSettings {
 }
 
 /// Topics with short text, name and tooltip.
-const TOPICS: [(Topic, &str, &str, &str); 3] = [
+const TOPICS: [(Topic, &str, &str, &str); 4] = [
     (
         Topic::Accuracy,
         "Accuracy",
@@ -50,6 +50,12 @@ const TOPICS: [(Topic, &str, &str, &str); 3] = [
         "Drift",
         "Drift study",
         "Runs the next seconds with every scheme, and draws what it does to energy and momentum.",
+    ),
+    (
+        Topic::Budget,
+        "Budget",
+        "Error budget",
+        "Refines one source of error after another, and tells how far each moves the result, and at what cost.",
     ),
 ];
 
@@ -91,6 +97,7 @@ pub fn show(ctx: &Context, context: &PanelContext<'_>, view: &mut View, commands
                 Topic::Accuracy => study_plots::show_accuracy(ui, context, view, commands),
                 Topic::Meshes => study_plots::show_meshes(ui, context, view),
                 Topic::Drift => study_plots::show_drift(ui, context, view),
+                Topic::Budget => budget::show(ui, context, view),
             }
         });
     view.studies.open = open;
@@ -118,6 +125,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             Topic::Accuracy => (JobRequest::Accuracy, study_plots::ACCURACY_HELP),
             Topic::Meshes => (JobRequest::Meshes(view.studies.meshes.measure), study_plots::MESHES_HELP),
             Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), study_plots::DRIFT_HELP),
+            Topic::Budget => (JobRequest::Budget, budget::HELP),
         };
         if ui.button("Measure").on_hover_text(help).clicked() {
             view.requests.push(request);

@@ -350,7 +350,7 @@ fn dial(request: &Study, level: &Level) -> Result<Studied, StudyError> {
         }
         let _ = write!(table, "\n  {}", cheapest(&dial, wanted));
     }
-    table += "\n\nA line without numbers: the error is not reached, or would cost far more than with another scheme.";
+    table += "\n\nA line without numbers: the error is not reached, or costs far more than with another scheme.";
     Ok(Studied { table, csv: dial.csv(), done })
 }
 

@@ -4,7 +4,7 @@
 //! all frames. The reference is a hundred times as accurate, if that is possible. Each scheme is run with a step near its stability limit,
 //! or with one step a frame. As its error falls as h^p, the next step is one with which seven tenths of the wanted error are expected, until
 //! the error is between a half of what is wanted and all of it. A scheme that costs more than half as much again as another one is not searched
-//! further, nor is its run ended.
+//! further, and its run is stopped; that of the level may cost up to 50 times as much.
 
 use super::{
     NoErrors, Outcome, Progress, Reference, ReferenceJob, Setting, Status, StudyError, Trial, TrialRun,
@@ -57,16 +57,16 @@ const LEAP_OF_TOLERANCES: [f64; 2] = [1e3, 10.0];
 const MOST_UNSTABLE: usize = 5;
 /// Most runs of a scheme for one error.
 const MOST: usize = 8;
-/// Price, as a multiple of the least known one, above which a scheme is not searched further.
-const DEAR: f64 = 1.5;
+/// Price, as a multiple of the least known one, above which a scheme is not searched further; and that for the scheme of the level.
+const DEAR: [f64; 2] = [1.5, 50.0];
 /// Greatest and least tolerance of schemes that control their error.
 const TOLERANCES: [f64; 2] = [1e-2, 1e-11];
 
 /// A scheme and its runs so far.
 struct Search {
     integrator: IntegratorKind,
-    /// Whether it is that of the level, which is searched whatever it costs.
-    is_own: bool,
+    /// Price, as a multiple of the least known one, above which it is not searched further.
+    dear: f64,
     /// Fineness with which it begins, which is also the least; see [`Search::setting`].
     first: f64,
     tried: Vec<(f64, Reached)>,
@@ -99,8 +99,8 @@ impl Search {
             Class::Implicit => 1.0,
             Class::ErrorControlled => 1.0 / TOLERANCES[0],
         };
-        let is_own = integrator.name() == trial.current.integrator.name();
-        Self { integrator, is_own, first, tried: Vec::new(), is_dear: false, run: None, again: None }
+        let dear = DEAR[usize::from(integrator.name() == trial.current.integrator.name())];
+        Self { integrator, dear, first, tried: Vec::new(), is_dear: false, run: None, again: None }
     }
 
     fn is_controlled(&self) -> bool {
@@ -140,7 +140,7 @@ impl Search {
         let of_one = |(wanted, least): (&f64, &f64)| {
             let next = self.next_for(*wanted)?;
             let (dear, is_new) =
-                (!self.is_own && self.price(next) > DEAR * least, self.tried.iter().all(|(known, _)| *known != next));
+                (self.price(next) > self.dear * least, self.tried.iter().all(|(known, _)| *known != next));
             (!dear && is_new && self.setting(next).is_some()).then_some(next)
         };
         wanted.iter().zip(least).find_map(of_one)
@@ -244,7 +244,7 @@ impl Dial {
         let wanted = &self.plan.wanted;
         let least: Vec<_> = wanted.iter().map(|wanted| self.least(*wanted)).collect();
         let trial = &self.trial;
-        let most = DEAR * 1e-3 * least.iter().copied().fold(0.0, f64::max) * trial.seconds();
+        let greatest = 1e-3 * least.iter().copied().fold(0.0, f64::max) * trial.seconds();
         for search in self.searches.iter_mut().filter(|search| search.run.is_none()) {
             let next = search.next(wanted, &least);
             search.run = next.and_then(|fineness| {
@@ -259,7 +259,7 @@ impl Dial {
             let Some((fineness, setting, mut run)) = search.run.take() else { return true };
             match run.until(trial, reference, deadline) {
                 Some(outcome) => search.tried.push((fineness, Reached { setting, outcome })),
-                None if run.spent().as_secs_f64() > most && !search.is_own => search.is_dear = true,
+                None if run.spent().as_secs_f64() > search.dear * greatest => search.is_dear = true,
                 None => search.run = Some((fineness, setting, run)),
             }
             !deadline.passed()
@@ -326,7 +326,7 @@ impl Dial {
     }
 
     /// For each scheme, in the order of the plan, the cheapest of its settings that reaches an error; `None` for a scheme that does not, or
-    /// that would cost far more than another one. The scheme of the level is searched in any case.
+    /// that costs far more than another one.
     pub fn reached(&self, wanted: f64) -> impl Iterator<Item = (&IntegratorKind, Option<&Reached>)> {
         let is_told = self.tells(wanted);
         self.searches.iter().map(move |search| {

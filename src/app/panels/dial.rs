@@ -69,11 +69,15 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
         ui.label(RichText::new(text).small().color(theme.warning));
     } else if findings.progress.finished {
-        ui.label(RichText::new(words(context, &findings.results)).small()).on_hover_text(help);
         let now = context.jobs.twin().and_then(Twin::error).filter(|_| is_used(context, &findings.results));
-        if now.is_some_and(|now| now > findings.results.wanted) {
-            let text = "The error now is above that: set it again to search from here.";
-            ui.label(RichText::new(text).small().color(theme.warning));
+        let is_above = now.is_some_and(|now| now > findings.results.wanted);
+        let text = RichText::new(words(context, &findings.results)).small();
+        // A line that comes and goes would move all below it.
+        if is_above {
+            let above = "The error now is above the wanted one: set it again to search from here.";
+            ui.label(text.color(theme.warning)).on_hover_text(above);
+        } else {
+            ui.label(text).on_hover_text(help);
         }
     }
 }

@@ -31,7 +31,6 @@ use crate::{
     integrators::Class,
     level::{BodyLevel, Level},
     meshes::Files,
-    picture::Picture,
     sandbox::{Refused, Sandbox},
     snapshot::Snapshot,
 };
@@ -662,7 +661,7 @@ pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
 /// The icon of the window, where the system shows one.
 #[cfg(not(target_arch = "wasm32"))]
 fn icon() -> Option<egui::IconData> {
-    let Picture { size: [width, height], rgba } =
-        Picture::of_png(include_bytes!("../../assets/icon.png"), 1024).ok()?;
+    let crate::picture::Picture { size: [width, height], rgba } =
+        crate::picture::Picture::of_png(include_bytes!("../../assets/icon.png"), 1024).ok()?;
     Some(egui::IconData { rgba, width: width as u32, height: height as u32 })
 }

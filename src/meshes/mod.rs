@@ -45,7 +45,9 @@ pub use outline::Outline;
 pub use pin::{Pin, extent};
 pub(crate) use pin::{nearest, on_edge, pinned};
 pub use points::Points;
-pub(crate) use polygon::{contains, merged, signed_area, simplified};
+pub(crate) use polygon::merged;
+#[cfg(feature = "window")]
+pub(crate) use polygon::{contains, signed_area, simplified};
 pub use rectangle::{Diagonals, Rectangle};
 pub use surface::SurfaceMesh;
 pub use topology::Fan;

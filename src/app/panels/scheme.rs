@@ -18,10 +18,13 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     choose(ui, context, commands);
     parameters(ui, context, view, commands);
     gauge(ui, context);
-    ui.horizontal_wrapped(|ui| {
-        guard(ui, context, commands);
-        sleep(ui, context, commands);
-    });
+    // A toy has no energy to lose, and never rests.
+    if context.now.toy.is_none() {
+        ui.horizontal_wrapped(|ui| {
+            guard(ui, context, commands);
+            sleep(ui, context, commands);
+        });
+    }
     error_now(ui, context, view);
 }
 
@@ -99,10 +102,6 @@ fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
 /// Draws the switch of the guard and its present division of steps.
 fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
-    // A toy has no energy to lose.
-    if now.toy.is_some() {
-        return;
-    }
     let help = "Repeats a step as up to 64 shorter ones when it is unstable: when the total energy grows although no work is done, \
                 or a value is not finite. Switch it off to see the instability.";
     let mut on = now.level.guard == Toggle::On;
@@ -122,9 +121,6 @@ fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
 /// Draws the switch of sleep and the share of the scene that sleeps.
 fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
-    if now.toy.is_some() {
-        return;
-    }
     let help = "Bodies and nets that have been at rest for half a second are not computed until something acts on them: a pull, or a \
                 changed effect or number. While all of them sleep, nothing is redrawn.";
     let mut on = now.level.sleep == Toggle::On;
@@ -183,7 +179,9 @@ fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let error = twin.error().map_or_else(|| still.to_owned(), percent);
     row(ui, "Error now", &error, help);
     if let Some(exact) = twin.exact() {
-        ui.label(RichText::new(format!("Compared with the exact solution: {}.", exact.words)).small());
+        ui.label(
+            RichText::new(format!("Compared with the exact solution: {}.", exact.words.trim_end_matches('.'))).small(),
+        );
         return;
     }
     let own = match (twin.is_checking(), twin.error()) {

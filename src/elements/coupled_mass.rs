@@ -3,7 +3,7 @@
 use crate::solvers::{Block, BlockMatrix, Factor, SparseMatrix};
 use std::sync::Arc;
 
-/// What a consistent mass matrix has beside the lumped masses.
+/// The part of a consistent mass matrix beside the lumped masses.
 ///
 /// The consistent mass matrix of a linear triangle of mass m, the integral of density times the product of two shape functions, is
 /// `m/12 [2 1 1; 1 2 1; 1 1 2]`; lumped, it is m/3 at each corner (Zienkiewicz, Taylor and Zhu, *The Finite Element Method: Its Basis and
@@ -141,7 +141,7 @@ impl CoupledMass {
 /// Solver with the whole mass matrix, whose factors it keeps.
 #[derive(Clone, Debug, Default)]
 pub struct MassSolver {
-    /// What the factors are for: also 1/mass, zero where nothing may move.
+    /// Mass matrix of the factors, and 1/mass of each number, zero where nothing may move.
     made_for: Option<(Arc<CoupledMass>, Vec<f64>)>,
     factor: Option<AnyFactor>,
 }

@@ -114,3 +114,17 @@ fn a_wanted_error_of_what_does_not_move_sets_nothing() {
     assert!(window.query_all_by_label_contains("Nothing moves here").next().is_some());
     assert_eq!(*window.state().sandbox().document(), before);
 }
+
+/// The search ends after another level was opened, which keeps its own scheme.
+#[test]
+fn what_was_found_for_another_scene_is_not_used() {
+    let mut window = open("gingerbread_pulled");
+    click_in_panel(&mut window, "Set the wanted error");
+    let other = level("cantilever");
+    assert!(window.query_by_label("Cancel the search").is_some(), "it searches");
+    window.state_mut().open(std::path::Path::new("cantilever"));
+    wait_until_gone(&mut window, "Cancel the search");
+    window.run_steps(3);
+    let now = &window.state().sandbox().document().level;
+    assert_eq!((&now.name, &now.integrator, now.substeps), (&other.name, &other.integrator, other.substeps));
+}

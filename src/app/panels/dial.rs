@@ -17,13 +17,13 @@ use std::fmt::Write as _;
 pub struct DialSettings {
     /// Number of the wanted error in [`TARGETS`].
     wanted: usize,
-    /// Whether what is found is used when the search ends.
-    is_set: bool,
+    /// Generation of the scene for which it was set: what is found is used when the search ends, unless another scene was opened meanwhile.
+    set_for: Option<u64>,
 }
 
 impl Default for DialSettings {
     fn default() -> Self {
-        Self { wanted: 1, is_set: false }
+        Self { wanted: 1, set_for: None }
     }
 }
 
@@ -46,19 +46,19 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         if is_running {
             if ui.button("Cancel").accessible_name("Cancel the search").clicked() {
                 view.requests.push(JobRequest::Cancel);
-                view.dial.is_set = false;
+                view.dial.set_for = None;
             }
             let done = context.jobs.dial.findings().map_or(0.0, |findings| findings.progress.done);
             ui.label(format!("{:.0} %", 100.0 * done));
         } else if ui.button("Set").on_hover_text(help).accessible_name("Set the wanted error").clicked() {
             view.requests.extend([JobRequest::Dial(TARGETS[dial.wanted % TARGETS.len()]), JobRequest::Twin(true)]);
-            dial.is_set = true;
+            dial.set_for = Some(context.now.generation);
         }
     });
     let Some(findings) = context.jobs.dial.findings() else { return };
     let over = findings.progress.finished || findings.trouble.is_some();
     if over
-        && std::mem::take(&mut view.dial.is_set)
+        && view.dial.set_for.take() == Some(context.now.generation)
         && let Some(Reached { setting, .. }) = &findings.results.cheapest
     {
         commands.extend(setting.commands());

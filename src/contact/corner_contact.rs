@@ -1,7 +1,7 @@
 //! Contact of edges with the convex corners of obstacles in the plane.
 
 use super::{
-    Anchor, ContactName, Members, Met, ObstacleContact, Path, PlacedObstacle, SurfaceEdge, Touch,
+    Anchor, BetweenVertices, ContactName, Members, Met, ObstacleContact, Path, PlacedObstacle, SurfaceEdge, Touch,
     edge_meeting::{meeting, nearest},
     edge_query::{DEPTH, EdgeQuery},
     friction::{anchor_of, penetration_of},
@@ -15,41 +15,9 @@ use crate::{
     solvers::{SparseMatrix, Weights},
 };
 
-/// Contact of the edges of boundaries with the convex corners of obstacles: in the plane. In space vertices alone touch obstacles.
-///
 /// A corner touches edges as the vertex of another body would; its area is the mean length of the edges.
-pub trait CornerContact<const D: usize, const T: usize, const N: usize> {
-    /// Calls `act` for each corner that touches an edge.
-    fn each_corner(&self, _motion: Motion<'_>, _act: &mut dyn FnMut(&Touch<D, T, N>)) {}
-
-    /// Calls `act` for each corner that is deep inside a body, at its nearest edge.
-    fn each_corner_inside(&self, _motion: Motion<'_>, _act: &mut dyn FnMut(&Touch<D, T, N>)) {}
-
-    /// Calls `add` for the ends of each edge, once for each obstacle with corners.
-    fn corner_pattern(&self, _add: &mut dyn FnMut(u32, u32)) {}
-
-    /// Adds the weighted stiffness and damping of corners, in the order of [`Self::corner_pattern`].
-    fn add_corner_stiffness(&self, _motion: Motion<'_>, _weights: Weights, _matrix: &mut dyn SparseMatrix) {}
-
-    /// Calls `act` with each edge and corner of an obstacle that may meet on a path.
-    fn each_edge_candidate(
-        &self,
-        _path: &Path<'_>,
-        _obstacle: (usize, &SweptMotion<D>),
-        _act: &mut dyn FnMut(u32, usize),
-    ) {
-    }
-
-    /// An edge that comes too near to a corner of an obstacle.
-    fn find_edge(&self, _path: &Path<'_>, _obstacle: (usize, &SweptMotion<D>), _edge: (u32, usize)) -> Option<Met<D>> {
-        None
-    }
-}
-
-impl CornerContact<3, 2, 4> for ObstacleContact<3, 2, 4> {}
-
-impl CornerContact<2, 1, 3> for ObstacleContact {
-    fn each_corner(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+impl BetweenVertices<2, 1, 3> for ObstacleContact {
+    fn each_between(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.each_cornered(motion, |corners| {
             for edge in 0..self.surface.edges().len() as u32 {
                 self.each_of_edge(motion, edge, corners, act);
@@ -57,7 +25,7 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
         });
     }
 
-    fn each_corner_inside(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
+    fn each_between_inside(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch)) {
         self.each_cornered(motion, |corners| {
             for (number, corner) in corners.each() {
                 for (part, edges) in self.surface.bodies() {
@@ -74,13 +42,13 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
         });
     }
 
-    fn corner_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
+    fn between_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for _ in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
             self.surface.edges().iter().for_each(|edge| add(edge.ends[0], edge.ends[1]));
         }
     }
 
-    fn add_corner_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
+    fn add_between_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         let Some(matrix) = matrix.blocks::<2>() else { return };
         let mut first = 0;
         for placed in self.obstacles.iter().filter(|placed| !placed.obstacle.corners().is_empty()) {
@@ -100,11 +68,11 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
         }
     }
 
-    fn each_edge_candidate(
+    fn each_candidate_between(
         &self,
         path: &Path<'_>,
-        (number, motion): (usize, &SweptMotion),
-        act: &mut dyn FnMut(u32, usize),
+        (number, motion, _): (usize, &SweptMotion, bool),
+        act: &mut dyn FnMut(u32, u32),
     ) {
         let placed = &self.obstacles[number];
         let corners = placed.obstacle.corners();
@@ -114,7 +82,7 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
             let [c, d] = ends.map(|end| vector(path.end, end));
             let bounds = Bounds::of([a, b, c, d].as_flattened()).grown(self.greatest_thickness());
             if placed.is_near(bounds, motion.end()) {
-                for (number, corner) in corners.iter().enumerate() {
+                for (number, corner) in (0..).zip(corners) {
                     let Corner { middle, radius, margin } = corner.placed(motion.end());
                     let Bounds([least, greatest]) = bounds.grown(radius + margin);
                     if (0..2).all(|axis| middle[axis] > least[axis] && middle[axis] < greatest[axis]) {
@@ -125,15 +93,16 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
         }
     }
 
-    fn find_edge(
+    fn find_between(
         &self,
         path: &Path<'_>,
         (number, motion): (usize, &SweptMotion),
-        (edge, corner): (u32, usize),
+        (edge, corner): (u32, u32),
     ) -> Option<Met<2>> {
         let SurfaceEdge { ends, part, .. } = self.surface.edges()[edge as usize];
-        let Corner { middle, radius, margin } = self.obstacles[number].obstacle.corners()[corner].placed(motion.end());
-        let kept = self.kept(path.known(), edge, self.first_corner(number) + corner as u32);
+        let Corner { middle, radius, margin } =
+            self.obstacles[number].obstacle.corners()[corner as usize].placed(motion.end());
+        let kept = self.kept(path.known(), edge, self.first_corner(number) + corner);
         let floor = self.offset(part, margin) + FLOOR * self.potential(part).thickness;
         let from = ends.map(|end| motion.place(vector(path.start, end)));
         let to = ends.map(|end| vector(path.end, end));
@@ -157,7 +126,7 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
             return None;
         };
         // An edge may leave a corner that began inside its body.
-        let penetrates = || self.penetrates(path.known(), part, self.first_corner(number) + corner as u32);
+        let penetrates = || self.penetrates(path.known(), part, self.first_corner(number) + corner);
         if penetrates() && self.surface.is_inside(part, |end| motion.place(vector(path.start, end)), middle) {
             return None;
         }
@@ -165,13 +134,18 @@ impl CornerContact<2, 1, 3> for ObstacleContact {
         let along = |[px, py]: [f64; 2]| nx * px + ny * py;
         let reached = along(to[0]) - (1.0 - t) * along(to[1]) - t * along(to[2]);
         Some(Met {
-            vertices: ends.map(|end| end as usize),
-            weights: [1.0 - t, t],
+            vertices: [ends[0], ends[1], ends[1]].map(|end| end as usize),
+            weights: [1.0 - t, t, 0.0],
             normal: [-nx, -ny],
             missing: radius + clearance.wanted - reached,
             wall: motion.velocity_at(middle),
             share,
         })
+    }
+
+    /// A vertex may touch an obstacle while one of its edges touches a corner.
+    fn area_around(&self, _: u32, part: u32, own: f64) -> f64 {
+        if self.has_corners { own + self.surface.mean_edge(part) } else { own }
     }
 }
 
@@ -237,7 +211,7 @@ impl ObstacleContact {
         stencil: Stencil,
     ) -> Touch {
         let SurfaceEdge { ends: [a, b], part, .. } = self.surface.edges()[edge as usize];
-        let (name, vertices) = (self.corner_name(edge, number), ([a, a, b], Members::Edge));
+        let (name, vertices) = (self.corner_name(edge, number), ([a, a, b], Members::Surface));
         let mut touch = stencil.touch(name, vertices, self.surface.mean_edge(part), self.parameters(part));
         touch.span = motion.span;
         touch.add_velocities(motion.v);

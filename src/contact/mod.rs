@@ -4,7 +4,8 @@
 //! ([`ObstacleContact`]), against the boundary of a body ([`SurfaceContact`]) or against cloth ([`ClothContact`]), a bounded, smooth potential pushes back
 //! ([`Potential`]), friction pulls with an elastic-plastic spring to an anchor ([`Anchor`]), and both dissipate. What touches at
 //! a moment is a [`Touch`]; a [`ContactTerm`] finds all of them. What the skin cannot hold, a truncation of the step does
-//! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Convex corners of obstacles touch edges as vertices of a body do.
+//! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Between vertices, convex corners of obstacles touch
+//! edges of bodies, and triangles of membranes touch obstacles at points between their corners ([`BetweenVertices`]).
 //!
 //! Obstacles always act like this. Bodies and cloth touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
 //! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleTerm::filter`]).
@@ -21,6 +22,7 @@
 //! ```
 
 mod any_contact;
+mod between_vertices;
 mod candidates;
 mod cloth_contact;
 mod cloth_crossings;
@@ -32,6 +34,8 @@ mod corner_contact;
 mod crossings;
 mod edge_meeting;
 mod edge_query;
+mod face_contact;
+mod face_points;
 mod friction;
 mod model;
 mod obstacle_contact;
@@ -50,13 +54,14 @@ mod truncation;
 mod velocity_filter;
 
 pub use any_contact::AnyContact;
+pub use between_vertices::BetweenVertices;
 pub use candidates::{Candidates, Grid, Pair, Surfaces};
 pub use cloth_contact::ClothContact;
 pub use cloth_crossings::{ClothSurface, segment_meets_triangle};
 pub use cloth_mesh::{ClothEdge, ClothMesh, ClothTriangle};
 pub use contact_term::ContactTerm;
-pub use corner_contact::CornerContact;
 pub use crossings::count_crossings;
+pub use face_points::{FacePoint, FacePoints};
 pub use friction::{Anchor, ContactName};
 pub use model::{ContactModel, ContactProperties, Filter};
 pub use obstacle_contact::{FilteredStep, ObstacleContact, ObstacleTerm, PlacedObstacle};

@@ -1,8 +1,8 @@
 //! Contact of the boundaries of bodies and the particles of nets with obstacles.
 
 use super::{
-    Anchor, ContactModel, ContactName, ContactParameters, ContactTerm, CornerContact, Curvature, Filter, Members, Pair,
-    Path, Place, Potential, Surface, SurfaceVertex, SurfaceVertices, Touch, TruncatedStep,
+    Anchor, BetweenVertices, ContactModel, ContactName, ContactParameters, ContactTerm, Curvature, FacePoints, Filter,
+    Members, Pair, Path, Place, Potential, Surface, SurfaceVertex, SurfaceVertices, Touch, TruncatedStep,
     friction::{anchor_of, anchors_of},
     touch::{coordinates, dot},
 };
@@ -67,8 +67,7 @@ impl<const D: usize> PlacedObstacle<D> {
     }
 }
 
-/// Contact of all vertices with the obstacles of an effect, and in the plane of the edges of boundaries with the convex corners of
-/// these obstacles ([`CornerContact`]).
+/// Contact of all vertices with the obstacles of an effect, and of what is between them ([`BetweenVertices`]).
 pub struct ObstacleContact<const D: usize = 2, const T: usize = 1, const N: usize = 3> {
     /// Number of the effect in the scene.
     number: u32,
@@ -83,11 +82,27 @@ pub struct ObstacleContact<const D: usize = 2, const T: usize = 1, const N: usiz
     pub(super) obstacles: Vec<PlacedObstacle<D>>,
     /// Whether any of them has corners.
     pub(super) has_corners: bool,
+    /// Points of triangles that touch between vertices, in space.
+    pub(super) faces: Option<FacePoints>,
+    /// Numbers of parts that sides of triangles are divided into, for each obstacle and part.
+    pub(super) divisions: Vec<usize>,
+}
+
+/// A point of a surface that touches an obstacle.
+pub(super) struct SurfacePoint<const N: usize> {
+    /// Name of the contact.
+    pub name: ContactName,
+    /// Vertices, members and weights of a [`Touch`].
+    pub vertices: [u32; N],
+    pub members: Members,
+    pub weights: [f64; N],
+    /// Its area \[m²\].
+    pub area: f64,
 }
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     /// Contact with some obstacles, where the surface has a skin and friction.
     pub fn new(model: ContactModel, surface: &Arc<SurfaceVertices>, obstacles: Vec<PlacedObstacle<D>>) -> Self {
@@ -106,6 +121,8 @@ where
             frictions,
             obstacles,
             has_corners,
+            faces: None,
+            divisions: Vec::new(),
         }
     }
 
@@ -214,7 +231,9 @@ where
                     if near[own] && placed.is_near(bounds, places[own]) {
                         let obstacle = (GROUP * group + own, places[own]);
                         for vertex in block {
-                            self.touch_of(motion, obstacle, *vertex, moved, act);
+                            let x = coordinates(motion.x, vertex.vertex);
+                            let point = || self.vertex_point(obstacle.0, *vertex);
+                            self.touch_of((motion, moved), obstacle, (x, vertex.part), point, act);
                         }
                     }
                 }
@@ -222,34 +241,49 @@ where
         }
     }
 
-    /// Calls `act` if a vertex touches an obstacle, which is at a place.
-    fn touch_of(
+    /// A vertex as a point.
+    fn vertex_point(&self, obstacle: usize, vertex: SurfaceVertex) -> SurfacePoint<N> {
+        let mut weights = [0.0; N];
+        weights[0] = 1.0;
+        SurfacePoint {
+            name: self.name(obstacle, vertex.vertex),
+            vertices: [vertex.vertex; N],
+            members: Members::Vertex,
+            weights,
+            area: (1.0 - self.share_between(obstacle, vertex.part)) * vertex.area,
+        }
+    }
+
+    /// Calls `act` if a point of a part at x \[m\] touches an obstacle, which is at a place. In the span of a motion it may move by a distance \[m\].
+    pub(super) fn touch_of(
         &self,
-        motion: Motion<'_>,
+        (motion, moved): (Motion<'_>, f64),
         (number, at): (usize, Option<Rigid<D>>),
-        vertex: SurfaceVertex,
-        moved: f64,
+        (x, part): ([f64; D], u32),
+        point: impl FnOnce() -> SurfacePoint<N>,
         act: &mut dyn FnMut(&Touch<D, T, N>),
     ) {
         let placed = &self.obstacles[number];
         let obstacle = &placed.obstacle;
-        let (x, potential) = (coordinates(motion.x, vertex.vertex), self.potential(vertex.part));
+        let potential = self.potential(part);
         let seen = at.map_or(x, |at| at.back(x));
-        let offset = self.offset(vertex.part, obstacle.margin());
+        let offset = self.offset(part, obstacle.margin());
         let Some(contact) = obstacle.distance(seen, potential.thickness + offset + moved) else { return };
         let normal = at.map_or(contact.normal, |at| at.normal(contact.normal));
-        let (mut weights, mut slips) = ([0.0; N], [[[0.0; D]; T]; N]);
-        (weights[0], slips[0]) = (1.0, tangents(normal));
+        let SurfacePoint { name, vertices, members, weights, area } = point();
+        let ways: [[f64; D]; T] = tangents(normal);
+        let mut slips = weights.map(|weight| ways.map(|way| way.map(|along| weight * along)));
+        slips[0] = ways;
         let mut touch = Touch {
-            name: self.name(number, vertex.vertex),
-            vertices: [vertex.vertex; N],
-            members: Members::Vertex,
+            name,
+            vertices,
+            members,
             weights,
             normal,
             slips,
-            area: vertex.area,
+            area,
             area_gradient: None,
-            parameters: self.parameters(vertex.part),
+            parameters: self.parameters(part),
             gap: contact.distance - offset,
             distance: contact.distance,
             approach: 0.0,
@@ -261,7 +295,7 @@ where
             place: Place::Obstacle(at.unwrap_or(Rigid::STILL), x),
             memory: None,
             kept: None,
-            keeps_anchor: vertex.area > 0.0,
+            keeps_anchor: area > 0.0,
         };
         touch.add_velocities(motion.v);
         if let Some(at) = placed.moving(motion) {
@@ -295,23 +329,22 @@ pub(super) fn tangents<const D: usize, const T: usize>(normal: [f64; D]) -> [[f6
 
 impl<const D: usize, const T: usize, const N: usize> ContactTerm<D, T, N> for ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     fn each(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch<D, T, N>)) {
         self.each_vertex(motion, act);
-        self.each_corner(motion, act);
+        self.each_between(motion, act);
     }
 
     fn each_at_start(&self, motion: Motion<'_>, act: &mut dyn FnMut(&Touch<D, T, N>)) {
         self.each(motion, act);
-        self.each_corner_inside(motion, act);
+        self.each_between_inside(motion, act);
     }
 
-    /// A vertex may touch an obstacle while one of its edges touches a corner.
     fn square_frequency(&self, motion: Motion<'_>) -> f64 {
         let square = |vertex: &SurfaceVertex| {
             let inverse: [f64; D] = coordinates(motion.inverse_mass, vertex.vertex);
-            let area = if self.has_corners { vertex.area + self.surface.mean_edge(vertex.part) } else { vertex.area };
+            let area = self.area_around(vertex.vertex, vertex.part, vertex.area);
             area * self.potential(vertex.part).greatest_stiffness() * inverse.into_iter().fold(0.0, f64::max)
         };
         self.surface.all().iter().map(square).fold(0.0, f64::max)
@@ -329,7 +362,7 @@ where
     }
 
     fn sparsity_pattern(&self, _: &[Pair], add: &mut dyn FnMut(u32, u32)) {
-        self.corner_pattern(add);
+        self.between_pattern(add);
     }
 
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
@@ -337,7 +370,7 @@ where
         self.each_vertex(motion, &mut |touch| {
             blocks.diagonal(touch.vertices[0] as usize, &touch.linearised(weights).block(0, 0));
         });
-        self.add_corner_stiffness(motion, weights, matrix);
+        self.add_between_stiffness(motion, weights, matrix);
     }
 }
 
@@ -388,7 +421,7 @@ pub struct FilteredStep<'a> {
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleTerm for ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     fn count(&self) -> usize {
         self.obstacles.len()

@@ -1,13 +1,13 @@
 //! Truncation of steps at obstacles: where the skin is used up, displacements and velocities are changed so that no vertex enters
-//! an obstacle, and no edge passes over one of its corners.
+//! an obstacle, no edge passes over one of its corners, and no point of a triangle that touches obstacles enters one.
 //!
 //! All motion is seen in the frame of the obstacle at the end of the step: points at its start are mapped there as if attached to
 //! it, so that nothing passes through at any speed of either. An inelastic impulse along the normal takes away the approach: that
-//! of the obstacle on one vertex, or of a corner on both ends of an edge. Where that does not suffice in a few rounds, because
+//! of the obstacle on one vertex, of a corner on both ends of an edge, or on the corners of a triangle. Where that does not suffice in a few rounds, because
 //! several obstacles act on connected edges, vertices stay where they began, attached to the obstacle.
 
 use super::{
-    Anchor, CornerContact, ObstacleContact, SurfaceVertex,
+    Anchor, BetweenVertices, ContactName, ObstacleContact, SurfaceVertex,
     friction::anchor_of,
     touch::{coordinates, dot, length},
     truncation::{ADVANCES, Clearance, FLOOR},
@@ -66,21 +66,21 @@ pub struct TruncatedStep<'a> {
     pub is_pushed: bool,
 }
 
-/// A vertex, or an edge and the number of a corner of an obstacle.
+/// What may meet an obstacle.
 #[derive(Clone, Copy, Debug)]
 pub enum Candidate {
     /// A vertex.
     Vertex(SurfaceVertex),
-    /// An edge and a corner.
-    Edge(u32, usize),
+    /// An edge and the number of a corner of the obstacle, or a triangle and the number of its point.
+    Between(u32, u32),
 }
 
-/// A vertex or an edge that meets an obstacle, as a stencil with weights.
+/// A vertex, an edge or a triangle that meets an obstacle, as a stencil with weights.
 pub struct Met<const D: usize> {
     /// Its vertices.
-    pub vertices: [usize; 2],
+    pub vertices: [usize; 3],
     /// Their weights.
-    pub weights: [f64; 2],
+    pub weights: [f64; 3],
     /// Unit normal from the obstacle.
     pub normal: [f64; D],
     /// Displacement along it that is missing at the end \[m\].
@@ -142,12 +142,12 @@ impl TruncatedStep<'_> {
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     /// Truncates a step; returns the number of vertices and edges that met an obstacle.
     pub(super) fn truncated(&self, step: &mut TruncatedStep<'_>) -> usize {
         let (mut all, mut found) = (0, std::mem::take(step.found));
-        for round in 0..ROUNDS + self.surface.edges().len() {
+        for round in 0..ROUNDS + self.rounds_between() {
             let (mut count, bounds) = (0, self.bounds(&step.path()));
             for number in 0..self.obstacles.len() {
                 let Some((motion, is_short)) = self.is_near(&step.path(), number, bounds) else { continue };
@@ -171,6 +171,11 @@ where
         }
         *step.found = found;
         all
+    }
+
+    /// Most rounds in which connected vertices are put back, one after the other.
+    fn rounds_between(&self) -> usize {
+        if self.faces.is_some() { self.surface.len() } else { self.surface.edges().len() }
     }
 
     /// Fraction of the displacements until something meets an obstacle; with `solids`, only obstacles that are bounded.
@@ -232,14 +237,16 @@ where
         } else {
             self.surface.all().iter().for_each(|vertex| act(Candidate::Vertex(*vertex)));
         }
-        self.each_edge_candidate(path, (number, motion), &mut |edge, corner| act(Candidate::Edge(edge, corner)));
+        self.each_candidate_between(path, (number, motion, is_short), &mut |surface, number| {
+            act(Candidate::Between(surface, number));
+        });
     }
 
     /// How a candidate meets an obstacle, if it does.
     fn find(&self, path: &Path<'_>, obstacle: (usize, &SweptMotion<D>), candidate: Candidate) -> Option<Met<D>> {
         match candidate {
             Candidate::Vertex(vertex) => self.find_vertex(path, obstacle, vertex),
-            Candidate::Edge(edge, corner) => self.find_edge(path, obstacle, (edge, corner)),
+            Candidate::Between(surface, number) => self.find_between(path, obstacle, (surface, number)),
         }
     }
 
@@ -250,15 +257,27 @@ where
         (number, motion): (usize, &SweptMotion<D>),
         vertex: SurfaceVertex,
     ) -> Option<Met<D>> {
+        let ends = [path.start, path.end].map(|x| coordinates(x, vertex.vertex));
+        let met = self.find_point(path, (number, motion), (ends, vertex.part, self.name(number, vertex.vertex)))?;
+        Some(Met { vertices: [vertex.vertex as usize; 3], ..met })
+    }
+
+    /// The same for any point of the surface, from its positions at the start and the end, its part and the name of its contact. Vertices and weights are those
+    /// of a vertex.
+    pub(super) fn find_point(
+        &self,
+        path: &Path<'_>,
+        (number, motion): (usize, &SweptMotion<D>),
+        ([start, end], part, name): ([[f64; D]; 2], u32, ContactName),
+    ) -> Option<Met<D>> {
         let obstacle = &*self.obstacles[number].obstacle;
-        let thickness = self.potential(vertex.part).thickness;
-        let [from, to] = [motion.place(coordinates(path.start, vertex.vertex)), coordinates(path.end, vertex.vertex)]
-            .map(|at| motion.to_shape(at));
+        let thickness = self.potential(part).thickness;
+        let [from, to] = [motion.place(start), end].map(|at| motion.to_shape(at));
         let displacement = std::array::from_fn(|axis| to[axis] - from[axis]);
         let begins =
-            obstacle.distance(from, length(displacement) + thickness + self.offset(vertex.part, obstacle.margin()))?;
-        let kept = anchor_of(path.known(), self.name(number, vertex.vertex));
-        let floor = self.offset(vertex.part, obstacle.margin()) + FLOOR * thickness;
+            obstacle.distance(from, length(displacement) + thickness + self.offset(part, obstacle.margin()))?;
+        let kept = anchor_of(path.known(), name);
+        let floor = self.offset(part, obstacle.margin()) + FLOOR * thickness;
         let clearance = Clearance::new(floor, begins.distance, kept.map_or(0.0, |anchor| anchor.penetration));
         let (share, at, contact) = if begins.distance > 0.0 {
             let (share, contact) = advance(obstacle, (from, displacement), clearance.least)?;
@@ -268,11 +287,11 @@ where
         };
         let reached = contact.distance + contact.along(std::array::from_fn(|axis| to[axis] - at[axis]));
         Some(Met {
-            vertices: [vertex.vertex as usize; 2],
-            weights: [1.0, 0.0],
+            vertices: [0; 3],
+            weights: [1.0, 0.0, 0.0],
             normal: motion.direction(contact.normal),
             missing: clearance.wanted - reached,
-            wall: motion.velocity_at(coordinates(path.end, vertex.vertex)),
+            wall: motion.velocity_at(end),
             share,
         })
     }

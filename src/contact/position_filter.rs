@@ -1,11 +1,11 @@
 //! Contact with obstacles by a filter of positions, in place of a potential.
 
-use super::{CornerContact, ObstacleContact, obstacle_contact::FilteredStep, touch::coordinates};
+use super::{BetweenVertices, ObstacleContact, obstacle_contact::FilteredStep, touch::coordinates};
 use crate::{effects::Bounds, obstacles::Rigid};
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     /// Filters the end of a step; see [`super::ObstacleTerm::filter`]. Returns the number of vertices changed.
     pub(super) fn filter_positions(&self, step: FilteredStep<'_>) -> usize {

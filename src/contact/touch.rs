@@ -80,8 +80,9 @@ pub struct ContactParameters {
 pub enum Members {
     /// A vertex that touches an obstacle.
     Vertex,
-    /// The ends of an edge that touches a corner of an obstacle.
-    Edge,
+    /// All but the first, whose place an obstacle takes: the ends of an edge that touches a corner of it, or the corners of a triangle that touches it in a
+    /// point.
+    Surface,
     /// All of them: a vertex and the ends of an edge, a vertex and the corners of a triangle, or the ends of two edges.
     Both,
 }
@@ -149,7 +150,7 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
     pub const fn range(&self) -> std::ops::Range<usize> {
         match self.members {
             Members::Vertex => 0..1,
-            Members::Edge => 1..N,
+            Members::Surface => 1..N,
             Members::Both => 0..N,
         }
     }
@@ -165,9 +166,9 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         }
     }
 
-    /// Adds the velocity of an obstacle in the place of its vertex, or of the edge [m/s].
+    /// Adds the velocity of an obstacle [m/s].
     pub fn add_obstacle(&mut self, velocity: [f64; D]) {
-        let sign = if self.members == Members::Vertex { -1.0 } else { 1.0 };
+        let sign = if self.members == Members::Vertex { -1.0 } else { self.weights[0] };
         self.approach += sign * dot(self.normal, velocity);
         for (sliding, slip) in self.sliding.iter_mut().zip(self.slips[0]) {
             *sliding += sign * dot(slip, velocity);

@@ -1,7 +1,7 @@
 //! Contact with obstacles by a velocity filter, in place of a potential.
 
 use super::{
-    CornerContact, ObstacleContact,
+    BetweenVertices, ObstacleContact,
     obstacle_contact::{FilteredStep, tangents},
     touch::{coordinates, dot, length},
 };
@@ -9,7 +9,7 @@ use crate::{effects::Bounds, obstacles::Rigid};
 
 impl<const D: usize, const T: usize, const N: usize> ObstacleContact<D, T, N>
 where
-    Self: CornerContact<D, T, N>,
+    Self: BetweenVertices<D, T, N>,
 {
     /// Filters the end of a step; see [`super::ObstacleTerm::filter`].
     pub(super) fn filter_velocities(&self, step: FilteredStep<'_>) -> (usize, f64) {

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Effect, Motion};
 use crate::{
-    contact::{AnyContact, ContactTerm as _, ObstacleContact, ObstacleTerm, PlacedObstacle},
+    contact::{AnyContact, ContactTerm as _, FacePoints, ObstacleContact, ObstacleTerm, PlacedObstacle},
     elements::Elements,
 };
 
@@ -26,10 +26,15 @@ impl ObstacleEffect {
         Self { name, contact: Contact::Plane(contact), is_filter: elements.contact.filter.is_some() }
     }
 
-    /// Contact of a name with some obstacles in space.
+    /// Contact of a name with some obstacles in space. Triangles of membranes touch them between their corners too; nets touch them with their particles
+    /// alone, as in the courses that they are from.
     pub fn in_space(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle<3>>) -> Self {
         let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);
-        Self { name, contact: Contact::Space(contact), is_filter: elements.contact.filter.is_some() }
+        let is_filter = elements.contact.filter.is_some();
+        let corners = || elements.membranes.iter().flat_map(|membrane| membrane.corners()).copied();
+        let faces = || FacePoints::new(&elements.surface, corners(), &elements.rest);
+        let contact = if is_filter { contact } else { contact.with_faces(faces()) };
+        Self { name, contact: Contact::Space(contact), is_filter }
     }
 
     fn term(&self) -> &dyn ObstacleTerm {

@@ -213,6 +213,12 @@ pub trait Obstacle<const D: usize = 2>: Send + Sync {
         true
     }
 
+    /// Greatest distance between points of cloth that stay farther than `reach` from it \[m\], so that it does not pass between them
+    /// through the cloth; infinite if it never does.
+    fn spacing(&self, _reach: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// Its convex corners, which can touch an edge of a body between two vertices.
     fn corners(&self) -> &[Corner<D>] {
         &[]

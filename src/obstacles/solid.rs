@@ -54,6 +54,8 @@ pub struct Solid<const D: usize, S> {
     size: f64,
     corners: Vec<Corner<D>>,
     is_convex: bool,
+    /// Radius of a sphere \[m\]; `None` for what may have sharp edges.
+    radius: Option<f64>,
 }
 
 /// Least eps as a fraction of the size.
@@ -79,7 +81,13 @@ impl<const D: usize, S: ClosedSurface<D>> Solid<D, S> {
         let bounds = surface.bounds();
         let eps = eps.max(LEAST * half_diagonal(bounds));
         let near = loosened(bounds, eps);
-        Self { surface, near, eps, size: half_diagonal(near), corners: Vec::new(), is_convex: true }
+        Self { surface, near, eps, size: half_diagonal(near), corners: Vec::new(), is_convex: true, radius: None }
+    }
+
+    /// Tells that it is a sphere of a radius \[m\].
+    pub const fn with_radius(mut self, radius: f64) -> Self {
+        self.radius = Some(radius);
+        self
     }
 
     /// Sets the radius and the centres of its convex corners, and whether all of its corners are convex.
@@ -180,6 +188,16 @@ impl<const D: usize, S: ClosedSurface<D>> Obstacle<D> for Solid<D, S> {
 
     fn is_convex(&self) -> bool {
         self.is_convex
+    }
+
+    /// A plane through points at the distance r from a sphere of radius R is farther than R from its centre while their circle has a radius below
+    /// `sqrt((R + r)² - R²)`; equilateral triangles have such a circle with sides sqrt(3) times as long. Of two points at the distance r from both faces of a right-angled edge,
+    /// the segment between them passes the edge at a distance while it is shorter than `2 sqrt(2) r`.
+    fn spacing(&self, reach: f64) -> f64 {
+        match self.radius {
+            Some(radius) => (3.0 * reach * (2.0 * radius + reach)).sqrt(),
+            None => 2.0 * std::f64::consts::SQRT_2 * reach,
+        }
     }
 
     fn corners(&self) -> &[Corner<D>] {

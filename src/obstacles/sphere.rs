@@ -40,7 +40,8 @@ impl ObstacleParameters for Sphere {
     }
 
     fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
-        Ok(Box::new(Solid::in_space(Ball::new(self.radius.get()), self.pose(), self.eps.get())))
+        let radius = self.radius.get();
+        Ok(Box::new(Solid::in_space(Ball::new(radius), self.pose(), self.eps.get()).with_radius(radius)))
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -3,6 +3,7 @@
 
 use crate::common::{level, named, reopened, simulation};
 use gingerbread::{
+    contact::segment_meets_triangle,
     integrators::IntegratorKind,
     level::{Level, Substeps},
     meshes::NoFiles,
@@ -194,4 +195,116 @@ fn obstacles_fit_the_scene() {
         "Moving(obstacle: Sphere(centre: (0, 0, 0), radius: 1, eps: 0), motions: [Turn(about: (0, 0), axis: (0, 0, 0), spin: 1)])",
     );
     assert!(error.contains("the axis of a turn must have a direction"), "{error}");
+}
+
+/// The segments of the edges of a box, or of the rim of an upright cylinder, in short pieces.
+fn sharp_edges(obstacle: &str) -> Vec<[[f64; 3]; 2]> {
+    const PIECES: usize = 200;
+    let at = |t: usize| t as f64 / PIECES as f64;
+    if obstacle.starts_with("Block") {
+        let (centre, half) = ([0.2, -0.11, 0.2], [0.15, 0.1, 0.125]);
+        let corner = |signs: [f64; 3]| [0, 1, 2].map(|axis| centre[axis] + signs[axis] * half[axis]);
+        return (0..3)
+            .flat_map(|axis| [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|others| (axis, others)))
+            .flat_map(|(axis, [one, other])| {
+                (0..PIECES).map(move |piece| {
+                    [at(piece), at(piece + 1)].map(|t| {
+                        let mut signs = [0.0; 3];
+                        (signs[axis], signs[(axis + 1) % 3], signs[(axis + 2) % 3]) = (2.0 * t - 1.0, one, other);
+                        corner(signs)
+                    })
+                })
+            })
+            .collect();
+    }
+    let rim = |angle: f64, y: f64| [0.2 + 0.13 * angle.cos(), y, 0.2 + 0.13 * angle.sin()];
+    let piece = |piece: usize, y: f64| [at(piece), at(piece + 1)].map(|t| rim(std::f64::consts::TAU * t, y));
+    (0..PIECES).flat_map(|number| [-0.05, -0.01].map(|y| piece(number, y))).collect()
+}
+
+/// Coarse cloth hangs over a box and over a round table, whose edges are sharp. No edge passes through a triangle, at any moment.
+#[test]
+fn sharp_edges_do_not_reach_through_cloth() {
+    for obstacle in [OBSTACLES[2], ROUND] {
+        let edges = sharp_edges(obstacle);
+        for scheme in ["VelocityVerlet", "ImplicitEuler", "DormandPrince"] {
+            let mut simulation = stepped(&over(obstacle, named(scheme), DAMPED), 1e-3);
+            let mut hangs = false;
+            for _ in 0..40 {
+                simulation.advance(50, &mut || true);
+                let x = &simulation.state().x;
+                let point = |corner: u32| [0, 1, 2].map(|axis| x[3 * corner as usize + axis]);
+                let faces: Vec<_> = simulation.scene().membranes[0].elements.corners().to_vec();
+                for corners in faces.into_iter().map(|corners| corners.map(point)) {
+                    assert!(
+                        edges.iter().all(|edge| !segment_meets_triangle(*edge, corners)),
+                        "{scheme} {obstacle}: {} s, {corners:?}",
+                        simulation.state().time
+                    );
+                }
+                hangs |= x.iter().skip(1).step_by(3).any(|y| *y < -0.06);
+            }
+            assert!(simulation.fault().is_none() && hangs, "{scheme} {obstacle}: {:?}", simulation.fault());
+        }
+    }
+}
+
+/// A flat cloth over a table presses as over a plane: the points of its triangles share the area of its vertices.
+#[test]
+fn points_of_triangles_share_the_area() {
+    let energies = ["HalfSpace(point: (0, -0.01, 0), normal: (0, 1, 0), eps: 0.01)", TABLE].map(|obstacle| {
+        let mut simulation = stepped(&over(obstacle, named("VelocityVerlet"), ""), 1e-3);
+        let scene = simulation.scene().clone();
+        let contact = scene.effects.iter().find_map(|effect| effect.contact()).unwrap();
+        let mut state = simulation.state().clone();
+        state.x.iter_mut().skip(1).step_by(3).for_each(|y| *y = -0.001);
+        let energy = contact.energy(gingerbread::effects::Motion { anchors: &[], ..scene.motion(&state, None) });
+        simulation.advance(1, &mut || true);
+        let mut count = 0;
+        contact.force(scene.motion(&state, None), &mut vec![0.0; state.x.len()]);
+        if let gingerbread::contact::AnyContact::Space(contact) = contact {
+            contact.each(scene.motion(&state, None), &mut |_| count += 1);
+        }
+        (energy, count)
+    });
+    let [(plane, vertices), (table, points)] = energies;
+    assert_eq!(vertices, 49);
+    // Every side is halved.
+    assert_eq!(points, 13 * 13);
+    assert!(plane > 0.0 && (table - plane).abs() < 1e-12 * plane, "{table} J, {plane} J");
+}
+
+/// A round table much smaller than the cloth.
+const ROUND: &str = "Cylinder(centre: (0.2, -0.03, 0.2), radius: 0.13, height: 0.04, eps: 0.01)";
+
+/// A table greater than the cloth.
+const TABLE: &str = "Block(centre: (0.2, -0.11, 0.2), width: 2, height: 0.2, depth: 2, eps: 0.01)";
+
+/// A table that begins to move pulls cloth along with the acceleration mu g, until the cloth is as fast.
+#[test]
+fn a_moving_table_pulls_cloth_by_friction() {
+    let table = format!("Moving(obstacle: {TABLE}, motions: [Slide(velocity: (0.18, 0), velocity_z: 0.24, from: 1)])");
+    let level = over(
+        &table,
+        named("VelocityVerlet"),
+        "(effect: Friction(coefficient: 0.3)), (effect: Restitution(coefficient: 0.1))",
+    );
+    let mut simulation = stepped(&level, 5e-4);
+    let velocity = |simulation: &Simulation| {
+        let v = &simulation.state().v;
+        [0, 1, 2].map(|axis| v.iter().skip(axis).step_by(3).sum::<f64>() / (v.len() / 3) as f64)
+    };
+    let along = |simulation: &Simulation| {
+        let [x, _, z] = velocity(simulation);
+        0.6 * x + 0.8 * z
+    };
+    simulation.advance(2200, &mut || true);
+    let first = along(&simulation);
+    simulation.advance(400, &mut || true);
+    let gained = (along(&simulation) - first) / 0.2;
+    assert!((gained - 0.3 * 2.0).abs() < 0.006, "{gained} m/s²");
+    simulation.advance(2400, &mut || true);
+    let [x, _, z] = velocity(&simulation);
+    assert!((x - 0.18).abs() < 1e-3 && (z - 0.24).abs() < 1e-3, "{x} {z}");
+    assert!(simulation.fault().is_none(), "{:?}", simulation.fault());
 }

@@ -1,7 +1,8 @@
 //! Command line without a window.
 //!
 //! `run` steps a level and writes results. `check` reads files and reports errors. `study` measures accuracy and
-//! cost. `hard` runs the hard cases.
+//! cost. `hard` runs the hard cases. `break` searches for runs of a level that go
+//! wrong.
 
 mod ending;
 mod frames;
@@ -9,6 +10,7 @@ mod hard;
 mod overrides;
 mod progress;
 mod report;
+mod search;
 mod series;
 mod study;
 mod sweep;
@@ -21,6 +23,7 @@ pub use progress::{Interrupt, PER_CENT, Progress, ProgressOptions};
 pub use report::{
     Beginning, EffectReport, EndState, EnergyReport, GREATEST_GAIN, GREATEST_J, RunReport, SubstepReport,
 };
+pub use search::{BreakRequest, search};
 pub use series::{Recording, Series};
 pub use study::{Study, study};
 pub use sweep::{MergeRequest, SweepRequest, merge, sweep};
@@ -52,7 +55,7 @@ use web_time::Instant;
 pub struct RunRequest {
     /// A level file, or the name of a built-in level.
     pub level: PathBuf,
-    /// Simulated time to run \[s\]; 2 if not given, or to the end of the recording if the level has one.
+    /// Simulated time to run \[s\]; if not given, to the end of the recording if the level has one; otherwise 2, or as long as its known results take.
     #[arg(long, conflicts_with = "steps", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Number of steps to take.
@@ -160,7 +163,8 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
     let beginning = Beginning::of(&simulation);
     share_partitions(request.threads.unwrap_or_else(threads));
     let asked = request.steps.or(request.seconds.map(|seconds| step_count(seconds, &simulation)));
-    let steps = asked.or_else(|| simulation.steps_to_end()).unwrap_or_else(|| step_count(2.0, &simulation));
+    let known = || simulation.steps_to_last_check().unwrap_or(0).max(step_count(2.0, &simulation));
+    let steps = asked.or_else(|| simulation.steps_to_end()).unwrap_or_else(known);
     let mut recording = recording(request, &simulation)?;
     let begin = Instant::now();
     step_with_progress(&request.progress_options, &mut simulation, (steps, "steps"), recording.as_mut());
@@ -210,6 +214,7 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         Some(_) => 1,
         None if !report.end_state.physical => 3,
         None if report.replayed == Some(false) => 4,
+        None if report.checks.iter().any(|check| check.met == Some(false)) => 5,
         None => 0,
     };
     let stopped = Interrupt::seen().filter(|_| report.partial.is_some());

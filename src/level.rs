@@ -4,11 +4,13 @@
 //! (see [`crate::files`]). The level is also the document that the window edits, undoes and saves.
 
 mod builders;
+mod check;
 mod saved;
 mod script;
 mod steps;
 
 pub use crate::meshes::Pin;
+pub use check::{Check, CheckPlace};
 pub use saved::{SavedGuard, SavedState};
 pub use script::{Action, RecordedEnd, ScriptedAction, frame};
 pub use steps::{SubstepMode, Substeps};
@@ -76,6 +78,9 @@ pub struct Level {
     /// Scripted actions. Times count from the start, also where the level was saved while running.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub actions: Vec<ScriptedAction>,
+    /// Numbers that it is known to lead to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub checks: Vec<Check>,
     /// Where the scripted actions led when they were recorded: a replay stops there, and tells whether its state is the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recorded: Option<RecordedEnd>,

@@ -46,15 +46,14 @@
 //! | [`inversion_recovery`] | shapes without inverted triangles and folds |
 //! | [`impulse`] | sudden changes of velocities: a push or a burst |
 //! | [`report`], [`guard`], [`fault`] | step statistics, the energy check of steps, and faults |
-//! | [`simulation`] | stepping of a scene and its state |
+//! | [`simulation`], [`probe`] | stepping of a scene and its state; quantities of a running scene as columns of numbers |
 //! | [`rewind`] | the states of the last seconds |
 //! | [`command`], [`document`], [`sandbox`] | user actions, undo, and their execution |
 //! | [`snapshot`] | the data of a frame of the window |
 //! | [`study`] | accuracy and cost: references, work-precision diagrams, mesh studies, drift |
-//! | [`probe`] | quantities of a running scene as columns of numbers |
 //! | [`levels`], [`files`], `link` | built-in levels; reading and saving; levels in links |
 //! | [`hard`] | the gallery of hard cases and their verdicts |
-//! | `headless` | `gingerbread run`, `check`, `study` and `hard` (not in browsers); feature `cli` |
+//! | `headless` | `gingerbread run`, `check`, `study`, `hard`, `break` (not in browsers); feature `cli` |
 //! | `app` | the window; the only module that uses egui; feature `window` |
 //! | `render` | `gingerbread render`: pictures without a window; features `cli` and `window` |
 //!
@@ -113,6 +112,7 @@ pub mod fault;
 pub mod guard;
 pub mod report;
 
+pub mod probe;
 pub mod simulation;
 
 pub mod rewind;
@@ -124,8 +124,6 @@ pub mod sandbox;
 pub mod snapshot;
 
 pub mod study;
-
-pub mod probe;
 
 pub mod files;
 pub mod levels;

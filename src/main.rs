@@ -30,6 +30,9 @@ enum Command {
     /// Runs the gallery of hard cases and tells which are held; ends with 1 if one is not that should be.
     #[command(after_help = headless::EXIT_CODES)]
     Hard(headless::Hard),
+    /// Searches for random runs of a level that go wrong, and saves the least levels that do; ends with 1 if there are any.
+    #[command(after_help = headless::EXIT_CODES)]
+    Break(headless::BreakRequest),
     /// Draws a level while it runs into a picture (PNG) or a moving picture (GIF), without a window.
     #[command(after_help = headless::EXIT_CODES)]
     Render(render::Render),
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
         Some(Command::Run(run)) => headless::run(&run),
         Some(Command::Study(study)) => headless::study(&study),
         Some(Command::Hard(hard)) => headless::hard(&hard),
+        Some(Command::Break(request)) => headless::search(&request),
         Some(Command::Sweep(request)) => headless::sweep(&request),
         Some(Command::Merge(request)) => headless::merge(&request),
         Some(Command::Render(request)) => render::render(&request),

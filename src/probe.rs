@@ -18,7 +18,6 @@ use crate::{
     elements::{BodyMaterial, PointStress},
     scene::{Owner, Scene},
     simulation::Simulation,
-    study::Moment,
 };
 use nalgebra::Matrix2;
 use std::{fmt, str::FromStr};
@@ -232,7 +231,7 @@ impl Probe {
                 vec![least, inverted as f64]
             }
             Self::Momentum => {
-                let Moment { momentum, angular, .. } = Moment::of(simulation, state.time);
+                let [momentum, angular] = simulation.momenta();
                 let turns = if dimension == 2 { &angular[2..] } else { &angular[..] };
                 momentum[..dimension].iter().chain(turns).copied().collect()
             }

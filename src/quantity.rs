@@ -223,6 +223,16 @@ quantities! {
     VelocityY: "velocity along y" ["m/s"] in Included(-1e9), Included(1e9); slider -10.0 to 10.0, linear;
     /// Rate of turning, counter-clockwise.
     Spin: "spin" ["rad/s"] in Included(-1e9), Included(1e9); slider -20.0 to 20.0, linear;
+    /// Force along x over the area of an edge at rest.
+    TractionX: "traction along x" ["Pa"] in Included(-1e15), Included(1e15); slider -1000.0 to 1000.0, linear;
+    /// Force along y over the area of an edge at rest.
+    TractionY: "traction along y" ["Pa"] in Included(-1e15), Included(1e15); slider -1000.0 to 1000.0, linear;
+    /// p: force against an edge over its area, positive from outside.
+    Pressure: "pressure" ["Pa"] in Included(-1e15), Included(1e15); slider -1000.0 to 1000.0, linear;
+    /// A known value, in the unit of what is measured.
+    KnownValue: "known value" [""] in Included(-1e15), Included(1e15); slider -1.0 to 1.0, linear;
+    /// Greatest difference from a known value, in the same unit.
+    Deviation: "tolerance" [""] in Included(0.0), Included(1e15); slider 0.0 to 1.0, linear;
     /// g: every free particle is accelerated by this much, whatever its mass.
     Gravity: "gravity" ["m/s²"] in Included(-1e6), Included(1e6); slider 0.0 to 20.0, linear;
     /// alpha: the force -alpha m v on every vertex; a free body loses its speed as exp(-alpha t).

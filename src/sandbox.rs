@@ -27,7 +27,7 @@ use crate::{
     quantity::Point,
     rewind::Rewind,
     scene::{Body, Owner, Scene, SceneError, extent},
-    simulation::{Restart, Simulation},
+    simulation::{PlacedCheck, Restart, Simulation},
 };
 use recording::Recording;
 use std::{collections::VecDeque, rc::Rc, sync::Arc};
@@ -256,6 +256,7 @@ impl Sandbox {
         let shelved = self.with_shelved(&shown);
         let known = (then != Then::Reload).then(|| shelved.as_ref().unwrap_or(self.simulation.scene()));
         let scene = Scene::build(&shown, self.effect_mode(&document), self.files.as_ref(), known)?;
+        PlacedCheck::all(&shown, &scene)?;
         let same =
             self.shown.bodies.len() == shown.bodies.len()
                 && self.simulation.scene().rest == scene.rest

@@ -13,12 +13,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checks;
 mod contacts;
 mod displacement_bound;
 mod energies;
 mod keep_apart;
 mod multirate;
 mod overlaps;
+mod placed_check;
 mod replay;
 mod restart;
 mod script;
@@ -40,6 +42,7 @@ use contacts::{contacts, surface_contact};
 use energies::Elastic;
 use multirate::Multirate;
 use overlaps::Overlaps;
+pub use placed_check::PlacedCheck;
 use replay::Replay;
 use restart::Checkpoint;
 pub use restart::Restart;
@@ -65,6 +68,9 @@ pub struct Simulation {
     grab: Option<Grab>,
     script: Option<Script>,
     replay: Replay,
+    /// Known results of the level, and what was measured of them.
+    checks: Vec<PlacedCheck>,
+    measured_checks: Vec<Option<f64>>,
     guard: Guard,
     fault: Option<Fault>,
     overlaps: Overlaps,
@@ -104,6 +110,8 @@ impl Simulation {
             grab: None,
             script: None,
             replay: Replay::default(),
+            checks: Vec::new(),
+            measured_checks: Vec::new(),
             guard: Guard::default(),
             fault: None,
             overlaps: Overlaps::default(),
@@ -131,6 +139,7 @@ impl Simulation {
         }
         let paced = self.scene.step == scene.step;
         (self.scene, self.stale) = (scene, true);
+        self.measured_checks.clear();
         // The memory of the integrator belongs to the old system.
         self.state.memory.clear();
         self.revision += 1;
@@ -159,6 +168,7 @@ impl Simulation {
         self.fault = None;
         self.seek();
         self.await_end();
+        self.forget_later_checks();
         self.apply_sleep();
         self.begin_contacts();
     }
@@ -283,11 +293,12 @@ impl Simulation {
         self.asked_at = self.state.steps;
         while taken < steps && self.fault.is_none() {
             self.perform_due(&mut |_, _| {});
-            let next = [self.steps_to_action(), self.steps_to_end()].into_iter().flatten();
+            let next = [self.steps_to_action(), self.steps_to_end(), self.steps_to_check()].into_iter().flatten();
             let wanted = next.fold(steps - taken, u64::min);
             let done = self.advance_freely(wanted, more);
             if done > 0 {
                 self.compare_end();
+                self.measure_checks();
             }
             taken += done;
             if done < wanted || (taken < steps && !more()) {

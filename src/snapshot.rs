@@ -18,7 +18,7 @@ use crate::{
     fault::Fault,
     guard::negligible,
     inversion_recovery::Tangle,
-    level::Level,
+    level::{Check, Level},
     materials::Model,
     meshes::Mesh,
     report::EffectCost,
@@ -129,12 +129,29 @@ pub struct Snapshot {
     pub(crate) seen: Option<(u64, u64, Field)>,
     /// Whether actions are recorded.
     pub records: bool,
+    /// The known results of the level, now and as they were measured.
+    pub checks: Vec<CheckReading>,
     /// Whether the recorded end of the level was met, once it has been reached.
     pub replayed: Option<bool>,
     /// Whether there is something to undo.
     pub can_undo: bool,
     /// Whether there is something to redo.
     pub can_redo: bool,
+}
+
+/// A known result of the level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckReading {
+    /// What is known.
+    pub check: Check,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value now.
+    pub now: f64,
+    /// What was measured, once its time had come.
+    pub measured: Option<f64>,
+    /// Whether that was within the tolerance.
+    pub is_met: bool,
 }
 
 /// One body of a snapshot.
@@ -324,6 +341,14 @@ impl Sandbox {
         (snapshot.pose, snapshot.side_by_side) = (self.document.pose, self.document.side_by_side.is_some());
         snapshot.elements = Arc::clone(&scene.elements);
         (snapshot.records, snapshot.replayed) = (self.is_recording(), simulation.replayed());
+        snapshot.checks.clear();
+        snapshot.checks.extend(simulation.checks().map(|(placed, measured)| CheckReading {
+            check: placed.check.clone(),
+            unit: placed.unit,
+            now: placed.value(simulation).unwrap_or(f64::NAN),
+            measured,
+            is_met: measured.is_some_and(|measured| placed.is_met(measured)),
+        }));
         snapshot.damping = self.damping();
         snapshot.wind = self.wind();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();

@@ -135,7 +135,9 @@ impl BetweenVertices<3, 2, 4> for SpaceContact {
     fn between_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
         for triangle in self.faces.iter().flat_map(FacePoints::triangles) {
             let [a, b, c] = triangle.corners;
-            [[a, b], [b, c], [c, a]].into_iter().for_each(|[one, other]| add(one, other));
+            for [one, other] in [[a, b], [b, c], [c, a]] {
+                add(one, other);
+            }
         }
     }
 
@@ -156,7 +158,9 @@ impl BetweenVertices<3, 2, 4> for SpaceContact {
                     }
                 });
             }
-            blocks.iter().for_each(|block| matrix.off_diagonal(block));
+            for block in &blocks {
+                matrix.off_diagonal(block);
+            }
         }
     }
 

@@ -22,6 +22,7 @@ mod bounds;
 mod compression;
 mod contact;
 mod drag;
+mod edge_load;
 mod friction;
 mod gravity;
 mod mouse_spring;
@@ -47,6 +48,7 @@ pub use bounds::Bounds;
 pub use compression::Compression;
 pub use contact::Contact;
 pub use drag::Drag;
+pub use edge_load::EdgeLoad;
 pub use friction::{Friction, SurfaceFriction};
 pub use gravity::Gravity;
 pub use mouse_spring::MouseSpring;
@@ -82,6 +84,7 @@ registry! {
         Rayleigh(Rayleigh),
         Drag(Drag),
         BodyForce(BodyForce),
+        EdgeLoad(EdgeLoad),
         MouseSpring(MouseSpring),
         Boundary(Boundary),
         Walls(Walls),

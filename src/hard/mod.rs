@@ -24,6 +24,7 @@ pub mod random;
 mod random_contact;
 mod reference;
 mod run;
+mod search;
 mod sweep;
 #[cfg(feature = "csv")]
 mod table;
@@ -35,6 +36,7 @@ pub use experiment::Experiment;
 pub use method::Method;
 pub use reference::{Distance, Quantity, Reference};
 pub use run::{Fence, Run};
+pub use search::{Found, Search};
 pub use sweep::{Entry, Sweep, Trial};
 #[cfg(feature = "csv")]
 pub use table::{COLUMNS, row};

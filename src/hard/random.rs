@@ -8,7 +8,6 @@ use crate::{
     level::{Action, BodyLevel, Level, MassLevel, ScriptedAction, StartShape, Substeps},
     levels,
     materials::{MaterialParameters, Model},
-    meshes::NoFiles,
     quantity::{Angle, Coordinate, Density, Factor, Mass, Point, Poisson, Position, Spin, Time, Velocity, Young},
     random,
     scene::Scene,
@@ -28,6 +27,37 @@ pub struct Variation {
     pub model: Model,
     /// The level.
     pub level: Level,
+}
+
+/// What is wrong with a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wrong {
+    /// A position, velocity or energy is not finite.
+    NotFinite,
+    /// Surfaces crossed, at so many places.
+    Crossed(usize),
+    /// The energy grew without a cause, by this multiple of what was put in.
+    Energy(f64),
+    /// It took so much processor time \[s\].
+    Slow(f64),
+}
+
+impl Wrong {
+    /// Whether another run went wrong in the same way.
+    pub fn is_like(self, other: Self) -> bool {
+        std::mem::discriminant(&self) == std::mem::discriminant(&other)
+    }
+}
+
+impl std::fmt::Display for Wrong {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::NotFinite => write!(out, "not finite"),
+            Self::Crossed(count) => write!(out, "surfaces crossed at {}", Count(count, "place", "places")),
+            Self::Energy(gain) => write!(out, "energy from nowhere: {gain:.2} times what was put in"),
+            Self::Slow(seconds) => write!(out, "took {seconds:.1} s"),
+        }
+    }
 }
 
 /// Result of a run of a [`Variation`].
@@ -66,7 +96,7 @@ impl Variation {
     /// # Errors
     /// If a built-in level cannot be read.
     pub fn new(seed: u32, number: u32) -> Result<Self, files::FileError> {
-        let (integrator, model, turn) = in_turn(number);
+        let (_, _, turn) = in_turn(number);
         let mut bases = Vec::new();
         for (file, text) in levels::BUILT_IN {
             let level = files::parse(text, file)?;
@@ -75,9 +105,15 @@ impl Variation {
             }
         }
         let (base, level) = bases.swap_remove(turn % bases.len());
+        Ok(Self::of(base, &level, seed, number))
+    }
+
+    /// Variation of a level by its number. All integrators and models occur in turn.
+    pub fn of(base: &str, level: &Level, seed: u32, number: u32) -> Self {
+        let (integrator, model, _) = in_turn(number);
         let mut draw = Draw::new(seed, number);
-        let level = vary(Level { integrator, state: None, ..level }, model, &mut draw);
-        Ok(Self { number, base: base.to_owned(), model, level })
+        let level = vary(Level { integrator, state: None, ..level.clone() }, model, &mut draw);
+        Self { number, base: base.to_owned(), model, level }
     }
 
     /// Scene of contact by its number: bodies that fly at each other and at obstacles that move, or cloth in space. All integrators and models occur in
@@ -93,8 +129,15 @@ impl Variation {
 
     /// Runs the variation, with the guard.
     pub fn run(&self) -> Outcome {
+        Outcome::of(&self.level)
+    }
+}
+
+impl Outcome {
+    /// Runs a level for [`Variation::STEPS`] steps.
+    pub fn of(level: &Level) -> Self {
         let stopwatch = Stopwatch::start();
-        let mut outcome = Outcome {
+        let mut outcome = Self {
             refused: None,
             fault: None,
             steps: 0,
@@ -104,8 +147,8 @@ impl Variation {
             finite: true,
             seconds: 0.0,
         };
-        match Scene::build(&self.level, self.level.mode, &NoFiles, None)
-            .and_then(|scene| Simulation::open(scene, &self.level, self.level.mode))
+        match Scene::build(level, level.mode, &files::Disk, None)
+            .and_then(|scene| Simulation::open(scene, level, level.mode))
         {
             Ok(simulation) => step(simulation, &mut outcome),
             Err(error) => outcome.refused = Some(error.to_string()),
@@ -113,21 +156,19 @@ impl Variation {
         outcome.seconds = stopwatch.elapsed().as_secs_f64();
         outcome
     }
-}
 
-impl Outcome {
     /// What is wrong with the run, if anything: a run may only end or stop with a cause.
-    pub fn wrong(&self) -> Option<String> {
+    pub fn wrong(&self) -> Option<Wrong> {
         if !self.finite {
-            return Some("not finite".to_owned());
+            return Some(Wrong::NotFinite);
         }
         if self.crossings > 0 {
-            return Some(format!("surfaces crossed at {}", Count(self.crossings, "place", "places")));
+            return Some(Wrong::Crossed(self.crossings));
         }
         if self.fault.is_none() && self.gain > Guard::EXCESS {
-            return Some(format!("energy from nowhere: {:.2} times what was put in", self.gain));
+            return Some(Wrong::Energy(self.gain));
         }
-        (self.seconds > Variation::SECONDS).then(|| format!("took {:.1} s", self.seconds))
+        (self.seconds > Variation::SECONDS).then_some(Wrong::Slow(self.seconds))
     }
 }
 

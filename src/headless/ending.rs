@@ -8,9 +8,9 @@ use crate::{
 use std::path::{Path, PathBuf};
 
 /// Exit codes, for the help text.
-pub const EXIT_CODES: &str = "Exit codes: 0 done; 1 the simulation stopped, or a hard case is not held that should be; 2 wrong \
+pub const EXIT_CODES: &str = "Exit codes: 0 done; 1 the simulation stopped, a hard case is not held that should be, or `break` found a run that goes wrong; 2 wrong \
 arguments, or a file that cannot be read or written; 3 `run` came to its end, but the end state is not physical: positions or \
-energies are not finite, the energy grew by over 1e5 times what the scene had, |J| is over 1e4, or triangles are inverted that were not at the start; 4 `run` came to another state than that recorded in the level; 130 and 143 stopped by \
+energies are not finite, the energy grew by over 1e5 times what the scene had, |J| is over 1e4, or triangles are inverted that were not at the start; 4 `run` came to another state than that recorded in the level; 5 `run` missed a known result of the level; 130 and 143 stopped by \
 SIGINT or SIGTERM, with what there was written and marked as partial.\n\nA path of `-` or `/dev/stdout` is standard output; the \
 summary then goes to standard error.";
 

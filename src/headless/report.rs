@@ -3,9 +3,9 @@
 use crate::{
     files,
     inversion_recovery::Tangle,
-    level::{Level, RunMode, Switch, When},
+    level::{Check, Level, RunMode, Switch, When},
     report::{EffectCost, Energies, SubstepPlan},
-    simulation::Simulation,
+    simulation::{PlacedCheck, Simulation},
     study::{Saving, Savings},
     terminal,
 };
@@ -101,6 +101,8 @@ pub struct RunReport {
     pub state_hash: String,
     /// Whether the state at the recorded end of the level was the recorded one, bit for bit; null if the end was not reached, or nothing was recorded.
     pub replayed: Option<bool>,
+    /// The known results of the level.
+    pub checks: Vec<CheckReport>,
     /// Why the run stopped early, if it did.
     pub fault: Option<String>,
 }
@@ -157,6 +159,7 @@ impl RunReport {
             effects: Vec::new(),
             state_hash: format!("{:016x}", state.hash()),
             replayed: simulation.replayed(),
+            checks: simulation.checks().map(CheckReport::new).collect(),
             fault: simulation.fault().map(ToString::to_string),
         }
     }
@@ -196,9 +199,63 @@ impl std::fmt::Display for RunReport {
         }
         write!(out, ", state {}", self.state_hash)?;
         match self.replayed {
-            None => Ok(()),
-            Some(true) => write!(out, "; replay: the recorded state"),
-            Some(false) => write!(out, "; replay: not the recorded state"),
+            None => {}
+            Some(true) => write!(out, "; replay: the recorded state")?,
+            Some(false) => write!(out, "; replay: not the recorded state")?,
+        }
+        self.checks.iter().try_for_each(|check| write!(out, "\n  {check}"))
+    }
+}
+
+/// A known result of a level.
+#[derive(Debug, Serialize)]
+pub struct CheckReport {
+    /// What it is.
+    pub name: String,
+    /// When it is measured \[s\].
+    pub at: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The known value.
+    pub value: f64,
+    /// How far the measured value may be from it.
+    pub tolerance: f64,
+    /// Formula or publication that the value is from.
+    pub source: String,
+    /// What was measured; null if the run did not pass that time.
+    pub measured: Option<f64>,
+    /// Whether that is within the tolerance; null if nothing was measured.
+    pub met: Option<bool>,
+}
+
+impl CheckReport {
+    fn new((placed, measured): (&PlacedCheck, Option<f64>)) -> Self {
+        let Check { name, at, value, tolerance, source, .. } = placed.check.clone();
+        let met = measured.map(|measured| placed.is_met(measured));
+        let (at, value, tolerance) = (at.get(), value.get(), tolerance.get());
+        Self { name, at, unit: placed.unit, value, tolerance, source, measured, met }
+    }
+}
+
+/// Number of decimals that show five significant digits.
+fn significant(value: f64) -> usize {
+    if value == 0.0 { 0 } else { (4.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize }
+}
+
+impl std::fmt::Display for CheckReport {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { name, at, unit, value, tolerance, measured, met, .. } = self;
+        let name = terminal::line(name);
+        match (measured, met) {
+            (Some(measured), Some(met)) => {
+                let verdict = if *met { "met" } else { "missed" };
+                let digits = significant(*measured);
+                write!(
+                    out,
+                    "{name}: {measured:.digits$} {unit} at {at} s, known {value} ± {tolerance} {unit}: {verdict}"
+                )
+            }
+            _ => write!(out, "{name}: known {value} ± {tolerance} {unit} at {at} s, which this run did not pass"),
         }
     }
 }

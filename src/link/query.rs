@@ -457,7 +457,7 @@ mod tests {
     #[test]
     fn wrong_parameters_are_named_with_what_is_expected() {
         for (query, words) in [
-            ("?level=nowhere", "there is no built-in level nowhere; those are: bead"),
+            ("?level=nowhere", "there is no built-in level nowhere; those are: bar_vibration"),
             ("?level=chain&colour=red", "there is no parameter colour; those are: level, mode"),
             ("?level=chain&level=bead", "level is there twice"),
             ("?level=chain&young=1e5", "young: expected Young's modulus [Pa], and that the level has it"),

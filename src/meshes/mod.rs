@@ -50,7 +50,7 @@ pub(crate) use polygon::merged;
 pub(crate) use polygon::{contains, signed_area, simplified};
 pub use rectangle::{Diagonals, Rectangle};
 pub use surface::SurfaceMesh;
-pub use topology::Fan;
+pub use topology::{Fan, boundary_edges};
 
 use crate::{quantity::Quantity, registry::registry};
 use std::path::{Path, PathBuf};

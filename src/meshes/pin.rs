@@ -1,7 +1,10 @@
 //! Rules for pinning vertices of a flat shape.
 
 use super::{Numbering, count::natural};
-use crate::{quantity::Point, random};
+use crate::{
+    quantity::{Point, Radius},
+    random,
+};
 use serde::{Deserialize, Serialize};
 
 /// A rule for pinning vertices, judged on the rest shape.
@@ -19,6 +22,10 @@ pub enum Pin {
     Left,
     /// All vertices at the greatest x.
     Right,
+    /// All vertices within a distance of a point.
+    Disk(Point, Radius),
+    /// All vertices in a box, from its least to its greatest corner, sides included.
+    Box(Point, Point),
     /// The vertices nearest to the four corners of the box around all.
     Corners,
     /// Vertices chosen at random.
@@ -53,6 +60,17 @@ pub fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Result<Vec<u
             Pin::Right => pinned.extend(on_edge(0, true)),
             Pin::Bottom => pinned.extend(on_edge(1, false)),
             Pin::Top => pinned.extend(on_edge(1, true)),
+            Pin::Disk(centre, radius) => {
+                let [x, y] = centre.get();
+                let is_within = |point: &[f64; 2]| libm::hypot(point[0] - x, point[1] - y) <= radius.get();
+                pinned.extend(places(rest, is_within));
+            }
+            Pin::Box(least, greatest) => {
+                let (least, greatest) = (least.get(), greatest.get());
+                let is_within =
+                    |point: &[f64; 2]| (0..2).all(|axis| point[axis] >= least[axis] && point[axis] <= greatest[axis]);
+                pinned.extend(places(rest, is_within));
+            }
             Pin::Corners => {
                 let [(left, right), (bottom, top)] = [extent(rest, 0), extent(rest, 1)];
                 let corners = [[left, bottom], [right, bottom], [left, top], [right, top]];
@@ -68,6 +86,11 @@ pub fn pinned(pins: &[Pin], rest: &[f64], numbering: &Numbering) -> Result<Vec<u
     pinned.sort_unstable();
     pinned.dedup();
     Ok(pinned)
+}
+
+/// The vertices whose flat positions a rule is true of.
+fn places(x: &[f64], is_within: impl Fn(&[f64; 2]) -> bool) -> impl Iterator<Item = u32> {
+    x.as_chunks().0.iter().zip(0..).filter(move |(point, _)| is_within(point)).map(|(_, vertex)| vertex)
 }
 
 /// The vertices at the least or greatest coordinate along an axis, to round-off.

@@ -9,6 +9,12 @@ use super::{MeshError, mesh::squared_distance};
 /// Mark of a half-edge without a twin.
 const BOUNDARY: u32 = u32::MAX;
 
+/// Boundary edges `(from, to)` of counter-clockwise triangles of a mesh, with the body on their left.
+pub fn boundary_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let edges = twins(triangles, 0).map(|twins| Topology { triangles, twins }.boundary_edges().collect());
+    edges.unwrap_or_default()
+}
+
 /// Neighbours of counter-clockwise triangles. Half-edge `3 t + c` of triangle `t` runs from its corner `c` to the next.
 pub(super) struct Topology<'a> {
     triangles: &'a [[u32; 3]],

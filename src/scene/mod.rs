@@ -176,6 +176,14 @@ pub enum SceneError {
         /// What is wrong, and what to do.
         why: String,
     },
+    /// A known result that cannot be measured in the scene.
+    #[error("check {name:?}: {why}")]
+    Check {
+        /// Its name.
+        name: String,
+        /// What is wrong, and what to do.
+        why: String,
+    },
     /// An effect of another dimension than the scene.
     #[error("{effect} acts on vertices with {dimension} coordinates, but those of the scene have {scene}")]
     Dimension {

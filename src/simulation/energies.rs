@@ -2,7 +2,7 @@
 //! callers.
 
 use super::Simulation;
-use crate::{effects::Grab, report::Energies};
+use crate::{effects::Grab, report::Energies, scene::Scene};
 use pulp::Arch;
 
 /// Cached elastic energies.
@@ -21,6 +21,25 @@ impl Simulation {
     pub fn inversion(&self) -> (f64, usize) {
         let ratios = self.scene.bodies.iter().flat_map(|body| body.elements.volume_ratios(&self.state.x));
         ratios.fold((f64::INFINITY, 0), |(least, count), j| (least.min(j), count + usize::from(j <= 0.0)))
+    }
+
+    /// Linear momentum [kg m/s], and angular momentum about the origin of the world [kg m²/s]; in the plane along the third axis alone.
+    pub fn momenta(&self) -> [[f64; 3]; 2] {
+        let Scene { mass, coupled_mass, dimension, .. } = &self.scene;
+        let (x, v) = (&self.state.x, &self.state.v);
+        let (mut momentum, mut angular) = ([0.0; 3], coupled_mass.angular_momentum(*dimension, x, v));
+        let points = x.chunks_exact(*dimension).zip(v.chunks_exact(*dimension));
+        for ((x, v), mass) in points.zip(mass.chunks_exact(*dimension)) {
+            let all = |of: &[f64]| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(0.0));
+            let ([x, y, z], [vx, vy, vz]) = (all(x), all(v));
+            for (sum, part) in momentum.iter_mut().zip([vx, vy, vz]) {
+                *sum += mass[0] * part;
+            }
+            for (sum, part) in angular.iter_mut().zip([y * vz - z * vy, z * vx - x * vz, x * vy - y * vx]) {
+                *sum += mass[0] * part;
+            }
+        }
+        [momentum, angular]
     }
 
     /// Energies now \[J\].

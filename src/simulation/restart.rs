@@ -1,6 +1,6 @@
 //! Restart data: everything that a run needs to continue bit for bit, and checkpoints to return to.
 
-use super::{BATCH, Simulation};
+use super::{BATCH, PlacedCheck, Simulation};
 use crate::{
     contact::{Anchor, ContactName},
     effects::Grab,
@@ -89,9 +89,10 @@ impl Simulation {
     /// been saved.
     ///
     /// # Errors
-    /// [`SceneError::State`] if what was saved belongs to other meshes.
+    /// [`SceneError::State`] if what was saved belongs to other meshes, and [`SceneError::Check`] if a known result cannot be measured.
     pub fn open(scene: Scene, level: &Level, mode: RunMode) -> Result<Self, SceneError> {
         let restart = Restart::read(&scene, level.state.as_ref())?;
+        PlacedCheck::all(level, &scene)?;
         let mut simulation = Self::new(scene, State::default());
         simulation.follow(level, mode);
         simulation.resume(&restart);

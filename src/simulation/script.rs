@@ -3,7 +3,7 @@
 //! The effect of all actions up to a time follows from the level alone, except for the pulled vertex. So a run can be
 //! saved, continued and rewound at any time.
 
-use super::{Simulation, replay::Replay};
+use super::{PlacedCheck, Simulation, replay::Replay};
 use crate::{
     effects::{EffectKind, Grab},
     impulse::Impulse,
@@ -121,10 +121,11 @@ type EnergyListener<'a> = &'a mut dyn FnMut(Energies, Energies);
 
 impl Simulation {
     /// Starts to perform the scripted actions of the level that the scene was built from, in the mode that it was built
-    /// for. Earlier actions count as performed.
+    /// for, and to measure its known results. Earlier actions count as performed.
     pub fn follow(&mut self, level: &Level, mode: RunMode) {
         self.script = None;
         self.replay = Replay::of(level, mode);
+        self.checks = PlacedCheck::all(level, &self.scene).unwrap_or_default();
         if level.actions.is_empty() {
             return;
         }

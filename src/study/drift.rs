@@ -67,20 +67,7 @@ pub struct Moment {
 impl Moment {
     /// Energy and momentum now, at a time \[s\].
     pub fn of(simulation: &Simulation, time: f64) -> Self {
-        let state = simulation.state();
-        let crate::scene::Scene { mass, coupled_mass, dimension, .. } = simulation.scene();
-        let points = state.x.chunks_exact(*dimension).zip(state.v.chunks_exact(*dimension));
-        let (mut momentum, mut angular) = ([0.0; 3], coupled_mass.angular_momentum(*dimension, &state.x, &state.v));
-        for ((x, v), mass) in points.zip(mass.chunks_exact(*dimension)) {
-            let all = |of: &[f64]| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(0.0));
-            let ([x, y, z], [vx, vy, vz]) = (all(x), all(v));
-            for (sum, part) in momentum.iter_mut().zip([vx, vy, vz]) {
-                *sum += mass[0] * part;
-            }
-            for (sum, part) in angular.iter_mut().zip([y * vz - z * vy, z * vx - x * vz, x * vy - y * vx]) {
-                *sum += mass[0] * part;
-            }
-        }
+        let [momentum, angular] = simulation.momenta();
         let energies = simulation.energies();
         let energy = energies.total() + simulation.heat() - simulation.work_of_obstacles();
         Self { time, energy, kinetic: energies.kinetic, momentum, angular }

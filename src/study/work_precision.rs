@@ -97,6 +97,14 @@ impl WorkPrecision {
             }
         }
         slots.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+        if plan.substeps.is_empty() {
+            let most = MOST_WORK / (FRAMES * trial.scene.vertices().max(1) as f64);
+            let mut kept = vec![0; plan.integrators.len()];
+            slots.retain(|slot| {
+                kept[slot.curve] += 1;
+                slot.point.current || slot.weight <= most || kept[slot.curve] <= FEWEST
+            });
+        }
         Self { trial, plan, reference, slots, repetitions: Repetitions::default(), finished: false }
     }
 
@@ -209,6 +217,13 @@ impl WorkPrecision {
     }
 }
 
+/// Greatest work of a run: evaluations of the force on a vertex. Settings that need more are left out.
+const MOST_WORK: f64 = 1e8;
+/// Number of settings of each scheme that are run in any case, the cheapest ones.
+const FEWEST: usize = 4;
+/// Frames of a run.
+const FRAMES: f64 = 60.0;
+
 /// Estimated share of the reference in the total work.
 const REFERENCE_SHARE: f64 = 0.1;
 /// Estimated share of the repetitions of short runs.
@@ -232,7 +247,7 @@ fn settings(integrator: &IntegratorKind, trial: &Trial, substeps: &[Substeps]) -
     settings.into_iter().map(|setting| (setting.clone(), setting == trial.current)).collect()
 }
 
-/// Estimated force evaluations per frame. A solve counts as 40. Only the order of runs and the progress depend on it.
+/// Estimated force evaluations per frame. A solve counts as 40. The order of runs and the progress depend on it, and which runs are too long.
 fn weight(setting: &Setting, limit: f64) -> f64 {
     let substeps = f64::from(setting.substeps.get());
     let kind = setting.integrator.kind();

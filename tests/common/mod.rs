@@ -72,8 +72,12 @@ pub const SLOPE: [f64; 2] = [0.447_213_595_499_958, 0.894_427_190_999_916];
 
 /// A level that ships, of fewer triangles, so that it runs quickly.
 pub fn coarse(text: &str, file: &str) -> Level {
-    const FEWER: [(&str, &str); 19] = [
+    const FEWER: [(&str, &str); 23] = [
         ("columns: 127, rows: 127", "columns: 8, rows: 8"),
+        ("columns: 128, rows: 8", "columns: 16, rows: 2"),
+        ("columns: 128, rows: 4", "columns: 16, rows: 1"),
+        ("resolution: 4000", "resolution: 200"),
+        ("resolution: 3000", "resolution: 200"),
         ("resolution: 2000", "resolution: 150"),
         ("resolution: 1000", "resolution: 250"),
         ("resolution: 700", "resolution: 100"),

@@ -55,6 +55,8 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct ScriptedAction", "level/script.rs", "Scripted action"),
     ("enum Action", "level/script.rs", "Kinds of scripted actions"),
     ("struct RecordedEnd", "level/script.rs", "End of a recorded run"),
+    ("struct Check", "level/check.rs", "Known result"),
+    ("enum CheckPlace", "level/check.rs", "Place of a known result"),
     ("enum Diagonals", "meshes/rectangle.rs", "Diagonals of a rectangle"),
     ("struct Case", "hard/case.rs", "Hard case"),
     ("enum Lasts", "hard/case.rs", "Duration of a hard case"),
@@ -90,6 +92,7 @@ const SPECS: &[(&str, &Spec)] = specs![
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
     SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings Passes Separation StructuralCorrection ShearCorrection FlexionCorrection WindSpeed FaceResistance
     OwnMotion GustShare GustPeriod TurbulenceShare EddySize Circulation CoreRadius Updraft DropRate DropImpulse DropDuration RecoveryRate ForceFactor BendingFactor
+    TractionX TractionY Pressure KnownValue Deviation
 ];
 
 /// Longest example that is shown [characters].
@@ -224,6 +227,9 @@ fn value(kind: &str) -> String {
         let same = members.iter().all(|member| *member == members[0]);
         let each = if same { format!("each: {}", members[0]) } else { members.join("; ") };
         return format!("group `({})`, {each}", vec!["…"; members.len()].join(", "));
+    }
+    if !kind.contains(['<', '(']) && kind.contains(", ") {
+        return kind.split(", ").map(value).collect::<Vec<_>>().join("; ");
     }
     if let Some((_, spec)) = SPECS.iter().find(|(name, _)| *name == kind) {
         return format!("number, {}", spec.range());
@@ -373,7 +379,7 @@ pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
     let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
-    let actions = "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd";
+    let actions = "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd Check CheckPlace";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);
     }

@@ -141,8 +141,9 @@ fn effect_forces_are_minus_the_derivative_of_energy() {
     let bodies = of(scene);
     let grab = Some(gingerbread::effects::Grab { vertex: 3, target: [0.9, 0.2, 0.0] });
     let mut acting = 0;
-    // Most of these act on cloth, and all have tests of their own; no energy belongs to body forces, air, rain, pins, rods and projection.
-    let cloth = ["BodyForce", "Projection", "Wind", "Vortex", "Rain", "Bending", "MovingPins", "Rods", "Wire"];
+    // Most of these act on cloth, and all have tests of their own; no energy belongs to body forces, edge loads, air, rain, pins, rods and projection.
+    let cloth =
+        ["BodyForce", "EdgeLoad", "Projection", "Wind", "Vortex", "Rain", "Bending", "MovingPins", "Rods", "Wire"];
     let in_plane = |kind: &EffectKind| !kind.kind().is_damping() && !cloth.contains(&kind.name());
     for kind in EffectKind::all().into_iter().filter(in_plane) {
         let effect = kind.kind().build(&bodies).unwrap();

@@ -5,7 +5,7 @@ use crate::common::{MODES, folder::Folder, level, sheet, simulation};
 use gingerbread::{
     files::{self, Disk, FileError},
     integrators::Class,
-    level::{Level, RunMode, SubstepMode, Switch},
+    level::{Check, Level, RunMode, SubstepMode, Switch},
     levels::BUILT_IN,
     materials::Model,
     scene::{Net, Scene, SceneError},
@@ -261,4 +261,41 @@ fn simulation_of(level: &Level) -> Simulation {
     let scene = Scene::build(level, level.mode, &Disk, None).unwrap();
     let state = scene.start.clone();
     Simulation::new(scene, state)
+}
+
+/// Every known result of a level that ships is met, and docs/accuracy.md tells what was measured. Renew its table with
+/// `GINGERBREAD_RENEW=1 cargo test --test levels`.
+#[test]
+fn known_results_are_met() {
+    let mut table = "| level | what | known | measured | tolerance | source |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut count = 0;
+    for (file, text) in BUILT_IN {
+        let level = files::parse(text, file).unwrap();
+        let mut simulation = simulation(&level);
+        let Some(steps) = simulation.steps_to_last_check() else { continue };
+        assert_eq!(simulation.advance(steps, &mut || true), steps, "{file}: {:?}", simulation.fault());
+        for (placed, measured) in simulation.checks() {
+            let (check, unit) = (&placed.check, placed.unit);
+            let measured = measured.unwrap();
+            assert!(placed.is_met(measured), "{file}, {}: {measured} {unit}", check.name);
+            let (level, known, tolerance) = (file.trim_end_matches(".ron"), check.value.get(), check.tolerance.get());
+            let Check { name, source, .. } = check;
+            writeln!(
+                table,
+                "| `{level}` | {name} | {known} {unit} | {measured:.5e} {unit} | {tolerance} {unit} | {source} |"
+            )
+            .unwrap();
+            count += 1;
+        }
+    }
+    assert!(count > 5, "{count}");
+    let page = PathBuf::from("docs/accuracy.md");
+    let text = fs::read_to_string(&page).unwrap();
+    let begin = text.find("| level | what | known |").unwrap();
+    let end = begin + text[begin..].find("\n\n").unwrap() + 1;
+    if std::env::var_os("GINGERBREAD_RENEW").is_some() {
+        fs::write(&page, format!("{}{table}{}", &text[..begin], &text[end..])).unwrap();
+    } else {
+        assert_eq!(&text[begin..end], table, "left: docs/accuracy.md, right: now");
+    }
 }

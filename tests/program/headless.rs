@@ -474,3 +474,41 @@ fn hard_may_go_on_for_longer_than_a_case_asks_for() {
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output.stderr).contains("endless.ron: it would go on for longer"), "{}", said(&output.stderr));
 }
+
+/// A run goes on to the last known result of its level, tells whether each is met, and ends with 5 if one is missed.
+#[test]
+fn known_results_are_told() {
+    let output = gingerbread(&["run", "bar_vibration"]);
+    let text = said(&output.stdout);
+    assert!(output.status.success() && text.matches(": met").count() == 3, "{text}");
+    let folder = Folder::new("known");
+    let report = folder.file("report.json");
+    let output = gingerbread(&["run", "bar_vibration", "--seconds", "0.1", "--report", &report]);
+    let text = said(&output.stdout);
+    assert!(text.matches(": met").count() == 2 && text.contains("which this run did not pass"), "{text}");
+    let read: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+    assert_eq!((&read["checks"][0]["met"], &read["checks"][2]["met"]), (&true.into(), &serde_json::Value::Null));
+    let wrong = gingerbread::levels::built_in("bar_vibration").unwrap().replace("value: -0.01,", "value: -0.02,");
+    let output = gingerbread(&["run", &folder.with("wrong.ron", &wrong)]);
+    let text = said(&output.stdout);
+    assert!(output.status.code() == Some(5) && text.matches(": missed").count() == 1, "{text}");
+    let bad = wrong.replace("column: \"ux\"", "column: \"uz\"");
+    let output = gingerbread(&["check", &folder.with("bad.ron", &bad)]);
+    let text = said(&output.stderr);
+    assert!(output.status.code() == Some(2) && text.contains("those are: x, y, vx, vy, ux, uy"), "{text}");
+}
+
+/// A search finds what is wrong, makes its level as small as it can, and saves it; without a find it ends with 0.
+#[test]
+fn a_search_tells_what_goes_wrong_and_saves_the_least_level() {
+    let found = |arguments: &[&str]| {
+        let output = gingerbread(&[&["break", "hanging_strip", "--progress", "0"], arguments].concat());
+        (output.status.code(), said(&output.stdout))
+    };
+    let (code, text) = found(&["--minutes", "0.02"]);
+    assert!(code == Some(0) && text.contains("      0 wrong"), "{text}");
+    let output = gingerbread(&["break", "circle"]);
+    assert!(output.status.code() == Some(2) && said(&output.stderr).contains("toy"), "{}", said(&output.stderr));
+    let output = gingerbread(&["break", "circle", "--minutes", "-1"]);
+    assert_eq!(output.status.code(), Some(2));
+}

@@ -4,6 +4,7 @@ mod body_force;
 #[path = "../common/mod.rs"]
 mod common;
 mod constraints;
+mod edge_load;
 mod effects;
 mod guard;
 mod heat;

@@ -213,7 +213,7 @@ fn effects_of_the_plane_are_refused_in_space() {
             }
             // These say that there is nothing that they act on.
             Err(why) => {
-                let words = ["has no", "has none", "names no vertex"];
+                let words = ["has no", "has none", "names no vertex", "names no edge"];
                 assert!(words.iter().any(|words| why.contains(words)), "{}: {why}", kind.name());
                 nothing.push(kind.name());
             }
@@ -221,6 +221,7 @@ fn effects_of_the_plane_are_refused_in_space() {
     }
     assert_eq!(refused, ["Boundary", "Walls", "Contact"]);
     let known = [
+        "EdgeLoad",
         "Compression",
         "Projection",
         "Wind",

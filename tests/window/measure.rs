@@ -221,3 +221,31 @@ fn a_held_range_of_colours_stays_until_it_is_let_go() {
     window.run_steps(120);
     assert!(window.state().colour_scale_end() != 2000.0, "it follows the values again");
 }
+
+/// A level with known results shows them, and whether they were met, once their time has come; other levels have no such list.
+#[test]
+fn known_results_are_shown_and_marked() {
+    let mut window = open("bar_vibration");
+    assert!(window.query_by_label("Known results").is_some());
+    let name = "Way of the left end in half a period";
+    assert!(window.query_by_label(name).is_some());
+    assert_eq!(window.query_all_by_label("met").count(), 0);
+    press(&mut window, Key::M);
+    let run_to = |window: &mut Window, time: f64| {
+        for _ in 0..200 {
+            if window.state().snapshot().time < time {
+                window.run_steps(1);
+            }
+        }
+    };
+    run_to(&mut window, 0.15);
+    assert_eq!(window.query_all_by_label("met").count(), 2);
+    run_to(&mut window, 0.25);
+    assert_eq!(window.query_all_by_label("met").count(), 3);
+    assert_eq!(window.query_all_by_label("missed").count(), 0);
+    // A restart measures anew.
+    press(&mut window, Key::R);
+    assert_eq!(window.query_all_by_label("met").count(), 0);
+    choose(&mut window, "Gingerbread house");
+    assert!(window.query_by_label("Known results").is_none());
+}

@@ -3,6 +3,7 @@
 mod banner;
 mod body;
 mod budget;
+mod checks;
 mod compare;
 mod cost;
 mod dial;
@@ -378,6 +379,7 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             ledger::show(ui, context, view);
             scheme::show(ui, context, view, commands);
             studies::buttons(ui, view);
+            checks::show(ui, context);
             measure::show(ui, context, view);
             energy::show(ui, context, view);
         }

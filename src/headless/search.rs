@@ -6,6 +6,7 @@ use crate::{
     guard::Guard,
     hard::{Search, random::Variation},
     level::Level,
+    link,
     study::{Progress, StudyError, threads},
     terminal,
 };
@@ -64,7 +65,9 @@ pub fn search(request: &BreakRequest) -> Result<Ending, HeadlessError> {
     if let Some(folder) = &request.save {
         std::fs::create_dir_all(folder).map_err(|error| access(folder, &error.to_string()))?;
     }
-    let name = request.level.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let is_link = request.level.to_str().and_then(link::level).is_some();
+    let name = if is_link { Some("link".as_ref()) } else { request.level.file_stem() };
+    let name = name.unwrap_or_default().to_string_lossy().into_owned();
     Interrupt::watch();
     let threads = request.threads.unwrap_or_else(threads);
     let mut search = Search::new(&name, &level, (request.seed, request.first), threads);

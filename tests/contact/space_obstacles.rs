@@ -274,6 +274,36 @@ fn points_of_triangles_share_the_area() {
     assert!(plane > 0.0 && (table - plane).abs() < 1e-12 * plane, "{table} J, {plane} J");
 }
 
+/// A coarse sheet falls on a ball much smaller than its triangles, between its vertices. No triangle comes nearer to the centre than the radius.
+#[test]
+fn a_small_ball_does_not_pass_through_cloth() {
+    let (centre, radius) = ([0.235, -0.06, 0.21], 0.03);
+    let ball = "Sphere(centre: (0.235, -0.06, 0.21), radius: 0.03, eps: 0.005)";
+    for scheme in ["SymplecticEuler", "ImplicitMidpoint"] {
+        let mut simulation = stepped(&over(ball, named(scheme), DAMPED), 1e-3);
+        let mut touches = false;
+        for _ in 0..20 {
+            simulation.advance(25, &mut || true);
+            let x = &simulation.state().x;
+            let point = |corner: u32| [0, 1, 2].map(|axis| x[3 * corner as usize + axis]);
+            for corners in simulation.scene().membranes[0].elements.corners() {
+                let corners = corners.map(point);
+                let nearest = (0..=60).flat_map(|a| (0..=60 - a).map(move |b| [a, b, 60 - a - b])).map(|shares| {
+                    let square = |axis: usize| {
+                        let at = (0..3).map(|i| f64::from(shares[i]) / 60.0 * corners[i][axis]).sum::<f64>();
+                        (at - centre[axis]).powi(2)
+                    };
+                    (square(0) + square(1) + square(2)).sqrt()
+                });
+                let nearest = nearest.fold(f64::INFINITY, f64::min);
+                assert!(nearest > radius, "{scheme}: {nearest} m at {} s", simulation.state().time);
+                touches |= nearest < radius + 0.02;
+            }
+        }
+        assert!(touches && simulation.fault().is_none(), "{scheme}: {:?}", simulation.fault());
+    }
+}
+
 /// A round table much smaller than the cloth.
 const ROUND: &str = "Cylinder(centre: (0.2, -0.03, 0.2), radius: 0.13, height: 0.04, eps: 0.01)";
 

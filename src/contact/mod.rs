@@ -5,7 +5,7 @@
 //! ([`Potential`]), friction pulls with an elastic-plastic spring to an anchor ([`Anchor`]), and both dissipate. What touches at
 //! a moment is a [`Touch`]; a [`ContactTerm`] finds all of them. What the skin cannot hold, a truncation of the step does
 //! ([`Truncation`], [`TruncatedStep`]), so that nothing ever crosses. Between vertices, convex corners of obstacles touch
-//! edges of bodies, and triangles of membranes touch obstacles at points between their corners ([`BetweenVertices`]).
+//! edges of bodies, and triangles of membranes touch obstacles at rest at points between their corners ([`BetweenVertices`]).
 //!
 //! Obstacles always act like this. Bodies and cloth touch each other where a level has the effect [`Contact`](crate::effects::Contact). The effect
 //! [`VelocityFilter`](crate::effects::VelocityFilter) replaces all of it by a filter of velocities ([`ObstacleTerm::filter`]).

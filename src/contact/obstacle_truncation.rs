@@ -7,7 +7,7 @@
 //! several obstacles act on connected edges, vertices stay where they began, attached to the obstacle.
 
 use super::{
-    Anchor, BetweenVertices, ContactName, ObstacleContact, SurfaceVertex,
+    Anchor, BetweenVertices, ContactName, ContactTerm as _, ObstacleContact, SurfaceVertex,
     friction::anchor_of,
     touch::{coordinates, dot, length},
     truncation::{ADVANCES, Clearance, FLOOR},
@@ -173,9 +173,9 @@ where
         all
     }
 
-    /// Most rounds in which connected vertices are put back, one after the other.
+    /// Most rounds in which connected vertices are put back, one after the other; in space where all obstacles are at rest.
     fn rounds_between(&self) -> usize {
-        if self.faces.is_some() { self.surface.len() } else { self.surface.edges().len() }
+        if self.faces.is_some() && !self.moves() { self.surface.len() } else { self.surface.edges().len() }
     }
 
     /// Fraction of the displacements until something meets an obstacle; with `solids`, only obstacles that are bounded.

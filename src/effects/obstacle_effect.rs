@@ -26,7 +26,7 @@ impl ObstacleEffect {
         Self { name, contact: Contact::Plane(contact), is_filter: elements.contact.filter.is_some() }
     }
 
-    /// Contact of a name with some obstacles in space. Triangles of membranes touch them between their corners too; nets touch them with their particles
+    /// Contact of a name with some obstacles in space. Triangles of membranes touch those at rest between their corners too; nets touch them with their particles
     /// alone, as in the courses that they are from.
     pub fn in_space(name: &'static str, elements: &Elements, obstacles: Vec<PlacedObstacle<3>>) -> Self {
         let contact = ObstacleContact::new(elements.contact.clone(), &elements.surface, obstacles);

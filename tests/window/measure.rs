@@ -227,7 +227,7 @@ fn a_held_range_of_colours_stays_until_it_is_let_go() {
 fn known_results_are_shown_and_marked() {
     let mut window = open("bar_vibration");
     assert!(window.query_by_label("Known results").is_some());
-    let name = "Way of the left end in half a period";
+    let name = "Displacement of the left end in half a period";
     assert!(window.query_by_label(name).is_some());
     assert_eq!(window.query_all_by_label("met").count(), 0);
     press(&mut window, Key::M);

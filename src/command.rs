@@ -15,6 +15,7 @@
 
 use crate::{
     effects::EffectKind,
+    elements::ElementKind,
     finish::Finish,
     impulse::Impulse,
     integrators::IntegratorKind,
@@ -99,6 +100,8 @@ pub enum Command {
     RemoveBody(usize),
     /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
+    /// Sets the kind of the elements of a body (by number). Everything is reset; pins stay at their places.
+    SetElement(usize, ElementKind),
     /// Sets the mass of a body (by number).
     SetMass(usize, MassLevel),
     /// Sets the material of a membrane (by number), its thickness and its mass.
@@ -178,6 +181,7 @@ impl Command {
             Self::SetModel(_)
             | Self::SetEnergy(..)
             | Self::SetMesh(..)
+            | Self::SetElement(..)
             | Self::SetSubsteps(_)
             | Self::SetSubstepMode(_)
             | Self::SetIntegrator(_)

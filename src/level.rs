@@ -17,7 +17,7 @@ pub use steps::{SubstepMode, Substeps};
 
 use crate::{
     effects::EffectKind,
-    elements::OwnMaterial,
+    elements::{ElementKind, OwnMaterial},
     finish::Finish,
     integrators::IntegratorKind,
     materials::{MaterialParameters, TypedEnergy},
@@ -97,6 +97,9 @@ pub struct BodyLevel {
     pub name: String,
     /// Its rest shape.
     pub mesh: MeshKind,
+    /// The kind of its elements.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub element: ElementKind,
     /// Where the rest shape is put.
     #[serde(default, skip_serializing_if = "is_default")]
     pub place: Place,

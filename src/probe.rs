@@ -15,7 +15,7 @@
 //! ```
 
 use crate::{
-    elements::{BodyMaterial, PointStress},
+    elements::PointStress,
     scene::{Owner, Scene},
     simulation::Simulation,
 };
@@ -362,25 +362,23 @@ impl<'a> TriangleOf<'a> {
     fn numbers(&self, x: &[f64]) -> Vec<f64> {
         let others = self.scene.bodies.len() + self.scene.nets.len();
         if let Some(body) = self.scene.bodies.get(self.part) {
-            let f = body.elements.gradients(x).nth(self.own).map(|(f, _)| f);
-            f.map_or_else(Vec::new, |f| row(&f, body.elements.material(), 1.0))
+            row(&body.elements.gradient_of(x, self.own), body.elements.point_stress(x, self.own), 1.0)
         } else if let Some(membrane) = self.part.checked_sub(others).and_then(|part| self.scene.membranes.get(part)) {
             let f = membrane.elements.gradients(x).nth(self.own);
-            f.map_or_else(Vec::new, |f| row(&f, membrane.elements.material(), membrane.elements.thickness()))
+            f.map_or_else(Vec::new, |f| row(&f, membrane.elements.material().at(&f), membrane.elements.thickness()))
         } else {
             Vec::new()
         }
     }
 }
 
-/// The numbers of [`TRIANGLE`] at a deformation gradient, of a body as thick as this \[m\].
-fn row(f: &Matrix2<f64>, material: &BodyMaterial, thickness: f64) -> Vec<f64> {
+/// The numbers of [`TRIANGLE`] at a deformation gradient with its stress, of a body as thick as this \[m\].
+fn row(f: &Matrix2<f64>, point: PointStress, thickness: f64) -> Vec<f64> {
     let j = f.determinant();
     // The principal stretches are |q| + |r| and |q| - |r|, for the similar and the antisimilar part q and r of F.
     let q = libm::hypot(f.m11 + f.m22, f.m21 - f.m12) / 2.0;
     let r = libm::hypot(f.m11 - f.m22, f.m21 + f.m12) / 2.0;
     let strain = (f.transpose() * f - Matrix2::identity()) / 2.0;
-    let point: PointStress = material.at(f);
     let (p, s) = (point.piola, point.piola * f.transpose() / j);
     let s33 = point.thickness / j;
     let pressure = -(s.m11 + s.m22 + s33) / 3.0;

@@ -177,6 +177,7 @@ impl Take {
     /// A picture of the present state, some time after the one before \[s\], or the first one.
     fn picture(&mut self, passed: Option<f64>) -> Picture {
         self.sandbox.snapshot(self.field, &mut self.snapshot);
+        self.stage.follow_loads(&self.sandbox);
         match passed {
             Some(passed) => self.stage.picture(&self.snapshot, passed),
             None => self.stage.first_picture(&self.snapshot),

@@ -1,6 +1,6 @@
-//! Arrows on the stage: velocities, forces or principal stresses at points that are spread evenly over the scene.
+//! Arrows on the stage: velocities, forces or principal stresses at points that are spread evenly over the scene; and loads on edges.
 
-use crate::{probe::net_forces, sandbox::Sandbox, scene::Scene, snapshot::Snapshot};
+use crate::{probe::net_forces, sandbox::Sandbox, scene::Scene, snapshot::Snapshot, state::State};
 use nalgebra::Matrix2;
 use std::collections::BTreeSet;
 
@@ -9,6 +9,11 @@ const ALONG: f64 = 17.0;
 
 /// Length of the longest arrow, in distances between them.
 const LONGEST: f64 = 1.5;
+
+/// Length of the longest arrow of a load, as a share of the longest side of a scene, and least distance between two at the start, as a share
+/// of that.
+const LOAD_LENGTH: f64 = 0.08;
+const LOAD_DISTANCE: f64 = 0.5;
 
 /// What arrows show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,6 +95,8 @@ pub struct Arrows {
     places: Places,
     all: Vec<Arrow>,
     greatest: f64,
+    loads: Vec<Arrow>,
+    forces: Vec<f64>,
 }
 
 /// Vertices or triangles with an arrow.
@@ -107,6 +114,7 @@ impl Arrows {
         self.greatest = 0.0;
         let (simulation, shown) = (sandbox.simulation(), (kind, sandbox.generation));
         let (scene, state) = (simulation.scene(), simulation.state());
+        self.follow_loads(scene, state);
         if kind == ArrowKind::None || scene.toy.is_some() {
             return;
         }
@@ -128,6 +136,51 @@ impl Arrows {
             let both = if arrow.tension.is_some() { 0.5 } else { 1.0 };
             arrow.along = arrow.along.map(|part| if scale.is_finite() { both * scale * part } else { 0.0 });
         }
+    }
+
+    /// Takes the loads on edges: some of the forces on vertices for the length of the loaded edges there, each drawn by its share in the greatest of
+    /// its load. They stay at the same vertices.
+    fn follow_loads(&mut self, scene: &Scene, state: &State) {
+        self.loads.clear();
+        for load in scene.effects.iter().filter(|effect| effect.is_load()) {
+            self.forces.clear();
+            self.forces.resize(state.x.len(), 0.0);
+            load.force(scene.motion(state, None), &mut [], &mut self.forces);
+            let forces: &mut [[f64; 2]] = self.forces.as_chunks_mut().0;
+            let (x, starts): (&[[f64; 2]], &[[f64; 2]]) = (state.x.as_chunks().0, scene.start.x.as_chunks().0);
+            let apart = |a: [f64; 2], b: [f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
+            let mut lengths = vec![0.0; forces.len()];
+            for (body, edge) in scene.bodies.iter().flat_map(|body| body.boundary.iter().map(move |edge| (body, edge)))
+            {
+                let [a, b] = edge.map(|vertex| vertex as usize + body.vertices.start);
+                if forces[a] != [0.0; 2] && forces[b] != [0.0; 2] {
+                    lengths[a] += 0.5 * apart(x[a], x[b]);
+                    lengths[b] += 0.5 * apart(x[a], x[b]);
+                }
+            }
+            for (force, length) in forces.iter_mut().zip(&lengths) {
+                *force = if *length > 0.0 { force.map(|part| part / length) } else { [0.0; 2] };
+            }
+            let greatest = forces.iter().map(|force| apart(*force, [0.0; 2])).fold(0.0, f64::max);
+            let extent = |axis: usize| {
+                let along = || starts.iter().map(|at| at[axis]);
+                along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+            };
+            let longest = LOAD_LENGTH * extent(0).max(extent(1));
+            let mut taken: Vec<[f64; 2]> = Vec::new();
+            for vertex in (0..forces.len()).filter(|vertex| lengths[*vertex] > 0.0) {
+                if taken.iter().all(|other| apart(*other, starts[vertex]) >= LOAD_DISTANCE * longest) {
+                    taken.push(starts[vertex]);
+                    let ([x, y], [fx, fy]) = (x[vertex], forces[vertex].map(|part| part * longest / greatest));
+                    self.loads.push(Arrow { at: [x, y, 0.0], along: [fx, fy, 0.0], tension: None });
+                }
+            }
+        }
+    }
+
+    /// The loads on edges.
+    pub fn loads(&self) -> &[Arrow] {
+        &self.loads
     }
 
     /// The arrows.
@@ -153,9 +206,9 @@ impl Arrows {
         let mut places = self.places.numbers.iter().copied().peekable();
         let mut number = 0;
         for body in &scene.bodies {
-            for (f, _) in body.elements.gradients(x) {
+            for (own, (f, _)) in body.elements.gradients(x).enumerate() {
                 if places.next_if_eq(&number).is_some() {
-                    let piola = body.elements.material().at(&f).piola;
+                    let piola = body.elements.point_stress(x, own).piola;
                     let at = middle(scene, x, number);
                     let lines = principal(&(piola * f.transpose() / f.determinant()));
                     self.all.extend(lines.map(|(along, tension)| Arrow { at, along, tension: Some(tension) }));
@@ -223,6 +276,20 @@ mod tests {
         let mut arrows = Arrows::default();
         arrows.follow(kind, &sandbox);
         (sandbox, arrows)
+    }
+
+    /// A load is drawn on its edge from the moment that it acts, along its force; a level without loads has none.
+    #[test]
+    fn loads_are_drawn_at_their_edges() {
+        let (sandbox, arrows) = arrows("cook_membrane", ArrowKind::None);
+        let loads = arrows.loads();
+        assert!((4..20).contains(&loads.len()) && arrows.all().is_empty(), "{}", loads.len());
+        let rest = &sandbox.simulation().scene().rest;
+        let right = rest.iter().step_by(2).fold(0.0_f64, |a, b| a.max(*b));
+        for Arrow { at, along, .. } in loads {
+            assert!((at[0] - right).abs() < 0.01 && along[0] == 0.0 && along[1] > 0.0, "{at:?} {along:?}");
+        }
+        assert!(self::arrows("jelly_disk", ArrowKind::Force).1.loads().is_empty());
     }
 
     #[test]

@@ -2,11 +2,12 @@
 //! bytes on every machine.
 
 use super::{
+    arrows::{ArrowKind, Arrows},
     canvas::{Canvas, Options, Viewpoint},
     raster::{Raster, Texture},
     theme,
 };
-use crate::{picture::Picture, snapshot::Snapshot};
+use crate::{picture::Picture, sandbox::Sandbox, snapshot::Snapshot};
 use eframe::egui::{
     Context, RawInput, Rect, TextureId, Theme, ViewportId, ViewportInfo, epaint::Primitive, pos2, vec2,
 };
@@ -28,6 +29,13 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// Draws the loads that act now on edges of a scene.
+    pub fn follow_loads(&mut self, sandbox: &Sandbox) {
+        let mut arrows = Arrows::default();
+        arrows.follow(ArrowKind::None, sandbox);
+        self.canvas.set_arrows(&arrows);
+    }
+
     /// Time that passes for a stage before its first picture, in which everything on it takes its place \[s\].
     const SETTLING: f64 = 10.0;
 

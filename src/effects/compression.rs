@@ -120,11 +120,7 @@ impl Effect for Resistance {
     }
 
     fn energy(&self, motion: Motion<'_>) -> f64 {
-        let of = |body: &Arc<Triangles>| {
-            let density = self.density(body);
-            body.gradients(motion.x).map(|(f, area)| area * density.energy(Mat2::from(&f))).sum::<f64>()
-        };
-        self.bodies.iter().map(of).sum()
+        self.bodies.iter().map(|body| body.energy_by(motion.x, self.density(body))).sum()
     }
 
     fn force(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {

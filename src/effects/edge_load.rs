@@ -143,6 +143,14 @@ impl Effect for Load {
         self.ramp == 0.0
     }
 
+    fn is_load(&self) -> bool {
+        true
+    }
+
+    fn ramp(&self) -> f64 {
+        self.ramp
+    }
+
     fn force(&self, motion: Motion<'_>, _: &mut [f64], force: &mut [f64]) {
         let (share, half) = (self.share(motion.time), self.half(motion.time));
         for (ends, dead) in &self.edges {

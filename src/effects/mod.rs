@@ -363,6 +363,16 @@ pub trait Effect: Send + Sync {
         true
     }
 
+    /// Whether its forces are loads on edges, which are drawn.
+    fn is_load(&self) -> bool {
+        false
+    }
+
+    /// Time from which it acts in full, if it grows from the start of time \[s\].
+    fn ramp(&self) -> f64 {
+        0.0
+    }
+
     /// Whether what it does to one body, net or membrane depends on the others, beside contact: parts then do not step or sleep alone.
     fn couples_parts(&self) -> bool {
         false

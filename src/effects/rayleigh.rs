@@ -2,7 +2,7 @@
 
 use super::{Effect, EffectParameters, Motion, ZERO};
 use crate::{
-    elements::{Adding, Elements, Membranes, NetSprings, StressLaw, Triangles, UniformForce},
+    elements::{ElementKind, Elements, Membranes, NetSprings, StressLaw, Triangles, UniformForce},
     materials::Lame,
     quantity::{DampingRate, DampingTime, Quantity},
     simd::{Mat2, Real},
@@ -98,6 +98,11 @@ impl Viscous {
     pub fn new(beta: f64, Lame { mu, lambda }: Lame) -> Self {
         Self { two_mu: 2.0 * beta * mu, lambda: beta * lambda }
     }
+
+    /// lambda times beta [Pa s].
+    pub const fn lambda(&self) -> f64 {
+        self.lambda
+    }
 }
 
 impl StressLaw for Viscous {
@@ -170,8 +175,7 @@ impl Effect for Damping {
         }
         for body in self.bodies.iter().filter(|body| !is_still(motion, body.vertices())) {
             let viscous = Viscous::new(self.beta, body.material().lame());
-            let mut forces = Adding { x: motion.x, v: motion.v, force: &mut *force };
-            body.assemble(viscous, &mut forces, &mut scratch[..body.scratch()]);
+            body.add_viscous_force(motion, viscous, &mut scratch[..body.scratch()], force);
         }
         for net in self.nets.iter().filter(|net| !is_still(motion, net.vertices())) {
             net.add_damping(motion.x, motion.v, self.beta, force);
@@ -209,6 +213,14 @@ impl Effect for Damping {
         if let Some(matrix) = matrix.blocks::<2>() {
             for body in &self.bodies {
                 let lame = self.viscosities(body.material().lame());
+                if let Some(six) = body.six_nodes() {
+                    let [mu, lambda] = lame;
+                    let is_mean = six.kind() == ElementKind::MeanDilatation;
+                    let (own, mean) = if is_mean { ([mu, 0.0], lambda * weights.velocity) } else { (lame, 0.0) };
+                    let tangent = |f: &Matrix2<f64>, rate: &Matrix2<f64>| viscous_tangent(f, rate, weights, own);
+                    six.add_tangent([motion.x, motion.v], matrix, tangent, mean);
+                    continue;
+                }
                 body.add_tangent(motion.x, 1.0, matrix, |number, f| {
                     viscous_tangent(f, &body.gradient_of(motion.v, number), weights, lame)
                 });

@@ -93,12 +93,32 @@ impl<M: Material> StressLaw for Elastic<M> {
 pub trait EnergyLaw: StressLaw {
     /// The energy density \[Pa\].
     fn energy<R: Real>(&self, f: Mat2<R>) -> R;
+
+    /// See [`Material::volumetric`].
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        [measure.of(0.0); 3]
+    }
+
+    /// The stress through the thickness in plane strain, P33 \[Pa\].
+    fn thickness_stress(&self, _f: Mat2<f64>) -> f64 {
+        0.0
+    }
 }
 
 impl<M: Material> EnergyLaw for Elastic<M> {
     #[inline(always)]
     fn energy<R: Real>(&self, f: Mat2<R>) -> R {
         self.0.psi(f)
+    }
+
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        self.0.volumetric(measure)
+    }
+
+    fn thickness_stress(&self, f: Mat2<f64>) -> f64 {
+        self.0.thickness_stress(f)
     }
 }
 

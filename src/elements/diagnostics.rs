@@ -1,8 +1,10 @@
 //! Diagnostics of triangles: energy, least det F, and fields for their colour.
 
 use super::{
-    Membranes, Triangles,
-    triangle::{Rest, edges},
+    Membranes, SixNodes, Triangles,
+    blocks::Elastic,
+    point_law::POINTS,
+    triangle::{Rest, edges, volume_of},
 };
 use crate::{
     materials::{Material, THIN, WHOLE},
@@ -55,6 +57,9 @@ impl Triangles {
         x: &[f64],
         out: &mut Vec<f64>,
     ) -> Diagnostics {
+        if let Some(six) = self.six_nodes() {
+            return six.diagnose(material, self.material().plane().is_stress(), energy, field, x, out);
+        }
         Arch::new().dispatch(DiagnosticsKernel { of: self, material, energy, field, x, out })
     }
 }
@@ -158,6 +163,42 @@ impl<M: Material> WithSimd for DiagnosticsKernel<'_, M> {
     }
 }
 
+impl SixNodes {
+    /// See [`Triangles::diagnose_as`].
+    fn diagnose(
+        &self,
+        material: &impl Material,
+        is_plane_stress: bool,
+        energy: Option<f64>,
+        field: Field,
+        x: &[f64],
+        out: &mut Vec<f64>,
+    ) -> Diagnostics {
+        let elastic = Elastic(*material);
+        let law = self.elastic(&elastic, volume_of(material));
+        let energy = energy.unwrap_or_else(|| self.energy(x, law));
+        let mut found = Diagnostics { energy, least: f64::INFINITY, inverted: 0, continued: 0 };
+        for element in 0..self.count() {
+            let mut add = |f: &Matrix2<f64>| {
+                let j = f.determinant();
+                found.least = found.least.min(j);
+                found.inverted += usize::from(j <= 0.0);
+                found.continued += usize::from(material.is_continued(f));
+            };
+            if field.is_of_triangles() {
+                for (f, point) in self.points(x, element, law, is_plane_stress) {
+                    add(&f);
+                    let stress = || CauchyStress::new(Mat2::from(&f), Mat2::from(&point.piola), point.thickness);
+                    out.extend(value_from(field, Mat2::from(&f), || point.energy, stress));
+                }
+            } else {
+                self.gradients(x, element).iter().for_each(&mut add);
+            }
+        }
+        found
+    }
+}
+
 impl Membranes {
     /// Appends one value for each triangle to `values`, in their order, at these positions \[m\]; nothing for a field that is not
     /// [of triangles](Field::is_of_triangles). The energy density is that of the thickness.
@@ -191,20 +232,35 @@ impl PointStress {
     /// Of a material of known type.
     pub(super) fn of(material: &impl Material, f: &Matrix2<f64>, is_plane_stress: bool) -> Self {
         let thickness = if is_plane_stress { 0.0 } else { material.thickness_stress(Mat2::from(f)) };
-        let von_mises = CauchyStress::of(material, Mat2::from(f), is_plane_stress).von_mises();
-        Self { energy: material.energy(f), piola: material.stress(f), thickness, von_mises }
+        Self::new(f, material.energy(f), material.stress(f), thickness)
+    }
+
+    /// From F, psi, P and P33.
+    pub(super) fn new(f: &Matrix2<f64>, energy: f64, piola: Matrix2<f64>, thickness: f64) -> Self {
+        let von_mises = CauchyStress::new(Mat2::from(f), Mat2::from(&piola), thickness).von_mises();
+        Self { energy, piola, thickness, von_mises }
     }
 }
 
 /// Value of a field at a deformation gradient; `None` for one that is not of triangles.
 #[inline(always)]
 fn value_of<M: Material, R: Real>(field: Field, material: &M, f: Mat2<R>, plane_stress: bool) -> Option<R> {
-    let of_stress = || CauchyStress::of(material, f, plane_stress);
+    value_from(field, f, || material.psi(f), || CauchyStress::of(material, f, plane_stress))
+}
+
+/// The same from energy density and stress.
+#[inline(always)]
+fn value_from<R: Real>(
+    field: Field,
+    f: Mat2<R>,
+    energy: impl FnOnce() -> R,
+    of_stress: impl FnOnce() -> CauchyStress<R>,
+) -> Option<R> {
     match field {
         Field::None | Field::Speed | Field::Displacement => None,
         Field::Volume => Some(f.determinant()),
         Field::Stretch => Some(greatest_stretch(f)),
-        Field::EnergyDensity => Some(material.psi(f)),
+        Field::EnergyDensity => Some(energy()),
         Field::VonMises => Some(of_stress().von_mises()),
         Field::Pressure => Some(of_stress().pressure()),
         Field::PrincipalStress => Some(of_stress().greatest()),
@@ -231,11 +287,16 @@ struct CauchyStress<R> {
 impl<R: Real> CauchyStress<R> {
     #[inline(always)]
     fn of<M: Material>(material: &M, f: Mat2<R>, plane_stress: bool) -> Self {
+        let thickness = if plane_stress { f.m11.of(0.0) } else { material.thickness_stress(f) };
+        Self::new(f, material.piola(f), thickness)
+    }
+
+    /// From F, P and P33.
+    #[inline(always)]
+    fn new(f: Mat2<R>, piola: Mat2<R>, thickness: R) -> Self {
         let j = f.determinant();
-        let sigma = material.piola(f).times(f.transpose());
-        let (x, y, xy) = (sigma.m11 / j, sigma.m22 / j, (sigma.m12 + sigma.m21) / j * 0.5);
-        let thickness = if plane_stress { j.of(0.0) } else { material.thickness_stress(f) / j };
-        Self { x, y, xy, thickness }
+        let sigma = piola.times(f.transpose());
+        Self { x: sigma.m11 / j, y: sigma.m22 / j, xy: (sigma.m12 + sigma.m21) / j * 0.5, thickness: thickness / j }
     }
 
     /// Equivalent by von Mises: `sqrt(((sx - sy)² + (sy - sz)² + (sz - sx)²)/2 + 3 sxy²)`.
@@ -344,6 +405,22 @@ impl Field {
 }
 
 impl Triangles {
+    /// Energy density and stress at the centroid of a triangle, at these positions \[m\].
+    pub fn point_stress(&self, x: &[f64], number: usize) -> PointStress {
+        self.material().passes().point_stress(self, x, number)
+    }
+
+    /// The same for a material of known type.
+    pub(super) fn point_stress_as(&self, material: &impl Material, x: &[f64], number: usize) -> PointStress {
+        let is_plane_stress = self.material().plane().is_stress();
+        let Some(six) = self.six_nodes() else {
+            return PointStress::of(material, &self.gradient_of(x, number), is_plane_stress);
+        };
+        let elastic = Elastic(*material);
+        let points = six.points(x, number / POINTS, six.elastic(&elastic, volume_of(material)), is_plane_stress);
+        points[number % POINTS].1
+    }
+
     /// det F of each triangle.
     pub fn volume_ratios(&self, x: &[f64]) -> impl Iterator<Item = f64> {
         self.gradients(x).map(|(f, _)| f.determinant())

@@ -6,7 +6,9 @@
 use super::{
     Adding, Springs, Triangles,
     blocks::{EnergyLaw, StressLaw},
+    six_nodes::ElementLaw,
     spring::{add_pair, between},
+    tangent::Isotropic,
 };
 use crate::{
     effects::Motion,
@@ -52,8 +54,25 @@ impl<L: EnergyLaw> StressLaw for Mean<L> {
 }
 
 impl Triangles {
+    /// Energy of a density at these positions \[J\].
+    pub(crate) fn energy_by(&self, x: &[f64], law: impl EnergyLaw + Isotropic) -> f64 {
+        match self.six_nodes() {
+            Some(six) => six.energy(x, ElementLaw::at_points(&law)),
+            None => self.gradients(x).map(|(f, area)| area * law.energy(Mat2::from(&f))).sum(),
+        }
+    }
+
     /// Adds the forces of an energy density, or their means over a step.
-    pub(crate) fn add_force_of(&self, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64], law: impl EnergyLaw) {
+    pub(crate) fn add_force_of(
+        &self,
+        motion: Motion<'_>,
+        scratch: &mut [f64],
+        force: &mut [f64],
+        law: impl EnergyLaw + Isotropic,
+    ) {
+        if let Some(six) = self.six_nodes() {
+            return six.add_force(motion, force, ElementLaw::at_points(&law));
+        }
         let Motion { x, v, elastic_span, .. } = motion;
         if elastic_span == 0.0 {
             self.assemble(law, &mut Adding { x, v, force }, scratch);

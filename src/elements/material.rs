@@ -85,6 +85,11 @@ impl BodyMaterial {
         self.passes.at(f, self.plane.is_stress())
     }
 
+    /// Whether its energy can be that of a mean dilatation: see [`Material::VOLUME`].
+    pub fn has_volume_measure(&self) -> bool {
+        self.passes.has_volume_measure()
+    }
+
     /// Passes over all triangles.
     pub(super) fn passes(&self) -> &dyn MeshMaterial {
         &*self.passes
@@ -150,6 +155,12 @@ pub trait MeshMaterial: Send + Sync {
 
     /// Energy density and stress at a deformation gradient.
     fn at(&self, f: &Matrix2<f64>, is_plane_stress: bool) -> PointStress;
+
+    /// See [`Triangles::point_stress`].
+    fn point_stress(&self, of: &Triangles, x: &[f64], number: usize) -> PointStress;
+
+    /// Whether it is known which part of the energy resists changes of volume: see [`Material::VOLUME`].
+    fn has_volume_measure(&self) -> bool;
 
     /// See [`Triangles::elastic_force`].
     fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]);
@@ -223,8 +234,19 @@ impl<M: Material> MeshMaterial for M {
         PointStress::of(self, f, is_plane_stress)
     }
 
+    fn point_stress(&self, of: &Triangles, x: &[f64], number: usize) -> PointStress {
+        of.point_stress_as(self, x, number)
+    }
+
+    fn has_volume_measure(&self) -> bool {
+        M::VOLUME.is_some()
+    }
+
     fn add_force(&self, of: &Triangles, motion: Motion<'_>, scratch: &mut [f64], force: &mut [f64]) {
-        of.add_force_of(motion, scratch, force, Elastic(*self));
+        match of.six_nodes() {
+            Some(six) => six.add_force(motion, force, six.elastic(&Elastic(*self), M::VOLUME)),
+            None => of.add_force_of(motion, scratch, force, Elastic(*self)),
+        }
     }
 
     fn euler_update(&self, of: &Triangles, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
@@ -252,11 +274,17 @@ impl<M: Material> MeshMaterial for M {
     }
 
     fn stiffness_times(&self, of: &Triangles, moving: [&[f64]; 2], scratch: &mut [f64], product: &mut [f64]) {
-        of.add_energy_change(moving, scratch, product, Elastic(*self));
+        match of.six_nodes() {
+            Some(six) => six.add_energy_change(moving, product, six.elastic(&Elastic(*self), M::VOLUME)),
+            None => of.add_energy_change(moving, scratch, product, Elastic(*self)),
+        }
     }
 
     fn add_stiffness(&self, of: &Triangles, x: &[f64], weights: Weights, matrix: &mut BlockMatrix<2>) {
-        of.add_energy_tangent(x, weights, matrix, Elastic(*self));
+        match of.six_nodes() {
+            Some(six) => six.add_energy_tangent(x, weights, matrix, six.elastic(&Elastic(*self), M::VOLUME)),
+            None => of.add_energy_tangent(x, weights, matrix, Elastic(*self)),
+        }
     }
 
     fn add_membrane_values(&self, of: &Membranes, field: Field, x: &[f64], values: &mut Vec<f64>) {

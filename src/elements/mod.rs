@@ -1,4 +1,4 @@
-//! Elements: triangles, membranes and springs, which store elastic energy. An element is an effect like any other to a step.
+//! Elements: triangles, elements of six nodes, membranes and springs, which store elastic energy. An element is an effect like any other to a step.
 //!
 //! ```
 //! use gingerbread::{
@@ -24,9 +24,12 @@ mod discrete_gradient;
 pub(crate) mod frame;
 mod gather;
 mod hinges;
+mod kind;
 mod material;
 mod membrane;
 mod partitions;
+mod point_law;
+mod six_nodes;
 mod space_springs;
 mod spring;
 mod tangent;
@@ -38,9 +41,11 @@ pub use coupled_mass::{CoupledMass, MassSolver};
 pub use diagnostics::{Diagnostics, Field, PointStress};
 pub(crate) use gather::{STAGE_ELEMENTS, reserve_scratch};
 pub use hinges::Hinges;
+pub use kind::ElementKind;
 pub use material::{BodyMaterial, OwnMaterial};
 pub use membrane::Membranes;
 pub(crate) use partitions::is_unpartitioned;
+pub use six_nodes::SixNodes;
 pub use space_springs::SpaceSprings;
 pub(crate) use spring::direction;
 pub use spring::{NetSprings, Springs};

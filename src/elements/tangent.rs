@@ -3,7 +3,8 @@
 
 use super::{
     Adding, Triangles,
-    blocks::{Elastic, StressLaw},
+    blocks::{Elastic, EnergyLaw, StressLaw},
+    six_nodes::ElementLaw,
     triangle::{Rest, edges},
 };
 use crate::{
@@ -46,8 +47,11 @@ impl<L: Isotropic> StressLaw for Change<L> {
 }
 
 impl Triangles {
-    /// Adds the three vertex pairs of each triangle to a sparsity pattern.
+    /// Adds the vertex pairs of each element to a sparsity pattern.
     pub(crate) fn add_sparsity(&self, add: &mut dyn FnMut(u32, u32)) {
+        if let Some(six) = self.six_nodes() {
+            return six.add_sparsity(add);
+        }
         for &[a, b, c] in self.corners() {
             add(a, b);
             add(a, c);
@@ -61,8 +65,11 @@ impl Triangles {
         [x, d]: [&[f64]; 2],
         scratch: &mut [f64],
         product: &mut [f64],
-        density: impl Isotropic,
+        density: impl EnergyLaw + Isotropic,
     ) {
+        if let Some(six) = self.six_nodes() {
+            return six.add_energy_change([x, d], product, ElementLaw::at_points(&density));
+        }
         self.assemble(Change(density), &mut Adding { x, v: d, force: product }, scratch);
     }
 
@@ -73,8 +80,11 @@ impl Triangles {
         x: &[f64],
         weights: Weights,
         matrix: &mut BlockMatrix<2>,
-        density: impl Isotropic,
+        density: impl EnergyLaw + Isotropic,
     ) {
+        if let Some(six) = self.six_nodes() {
+            return six.add_energy_tangent(x, weights, matrix, ElementLaw::at_points(&density));
+        }
         let negative = weights.tangent.negative_factor();
         let (x, weight) = (x.as_chunks().0, weights.position);
         let set = self.set();
@@ -83,7 +93,7 @@ impl Triangles {
         });
     }
 
-    /// Adds blocks for every triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
+    /// Adds blocks for every linear triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
     /// (4 x 4, entries column by column, symmetric) [Pa or Pa s], times `weight`.
     #[inline]
     pub(crate) fn add_tangent(
@@ -198,7 +208,7 @@ impl<L: Isotropic> WithSimd for Assemble<'_, L> {
 
 /// The gradient of a corner's shape function transformed by both parts of F, U and M, and multiplied by the moduli.
 #[derive(Clone, Copy)]
-struct Corner<R> {
+pub(super) struct Corner<R> {
     turned: [R; 2],
     mirrored: [R; 2],
     by_turned: [R; 2],
@@ -209,7 +219,7 @@ struct Corner<R> {
 
 impl<R: Real> Corner<R> {
     #[inline(always)]
-    fn new(parts: &Parts<R>, moduli: &Moduli<R>, [x, y]: [R; 2]) -> Self {
+    pub fn new(parts: &Parts<R>, moduli: &Moduli<R>, [x, y]: [R; 2]) -> Self {
         let ([c, s], [d, t]) = (parts.turned, parts.mirrored);
         let (turned, mirrored) = ([c * x - s * y, s * x + c * y], [d * x + t * y, t * x - d * y]);
         let (([u0, u1], [m0, m1]), [pp, pq, qq]) = ((turned, mirrored), moduli.sizes);
@@ -225,7 +235,7 @@ impl<R: Real> Corner<R> {
 
     /// An entry of the block of this corner with another.
     #[inline(always)]
-    fn entry(&self, of: &Self, row: usize, column: usize) -> R {
+    pub fn entry(&self, of: &Self, row: usize, column: usize) -> R {
         let along = self.by_turned[row] * of.turned[column] + self.by_mirrored[row] * of.mirrored[column];
         let across = self.twisted[1 - row] * of.turned[1 - column] + self.flipped[1 - row] * of.mirrored[1 - column];
         if row == column { along + across } else { along - across }

@@ -1,14 +1,15 @@
 //! Linear triangle elements.
 
 use super::{
-    Accumulator, ElasticElements, EulerUpdate,
-    blocks::{self, Blocks, StressModel},
+    Accumulator, Adding, ElasticElements, ElementKind, EulerUpdate, SixNodes,
+    blocks::{self, Blocks, Elastic, StressModel},
     material::BodyMaterial,
     partitions::Partitions,
+    point_law::POINTS,
 };
 use crate::{
-    effects::{Effect, Motion},
-    materials::Material,
+    effects::{Effect, Motion, Viscous},
+    materials::{Material, VolumeMeasure},
     meshes::{Fan, Mesh},
     simd::Order,
     solvers::{SparseMatrix, Weights},
@@ -17,7 +18,8 @@ use nalgebra::Matrix2;
 use pulp::Arch;
 use std::{ops::Range, sync::Arc};
 
-/// The linear triangles of one body, of one material and unit thickness.
+/// The triangles of one body, of one material and unit thickness: linear ones, or those that [elements of six nodes](SixNodes) are divided
+/// into. What follows is for linear ones.
 ///
 /// With the edges D = [x1 - x0, x2 - x0] now and D0 at rest, the deformation gradient is `F = D D0⁻¹`, constant over a
 /// triangle. The forces on its corners are `[f1 f2] = -A P(F) D0⁻ᵀ` and `f0 = -f1 - f2`
@@ -28,6 +30,7 @@ use std::{ops::Range, sync::Arc};
 #[derive(Clone, Debug)]
 pub struct Triangles {
     shape: Arc<Shape>,
+    six_nodes: Option<Arc<SixNodes>>,
     material: BodyMaterial,
 }
 
@@ -101,7 +104,25 @@ impl Triangles {
         let fans: Vec<_> = fans.iter().map(|fan| fan.map(|corner| corner - vertices.start as u32)).collect();
         let partitions = Partitions::new(&fans, (vertices.start, vertices.len()), &Order::of_pairs(set));
         let shape = Shape { corners, slots, blocks: Blocks::new(&shapes, set), partitions, vertices };
-        Self { shape: Arc::new(shape), material }
+        Self { shape: Arc::new(shape), six_nodes: None, material }
+    }
+
+    /// The same triangles as parts of elements of this kind; those of six nodes are those of a [refined mesh](Mesh::refined), which it is
+    /// then. `rest` is that of [`Self::new`].
+    #[must_use]
+    pub fn of_kind(self, kind: ElementKind, rest: &[f64], mesh: &Mesh) -> Self {
+        let six = || Arc::new(SixNodes::new(kind, rest, self.shape.vertices.clone(), mesh, self.set()));
+        Self { six_nodes: kind.has_six_nodes().then(six), ..self }
+    }
+
+    /// Their elements of six nodes, unless they are linear.
+    pub(crate) fn six_nodes(&self) -> Option<&SixNodes> {
+        self.six_nodes.as_deref()
+    }
+
+    /// The kind of the elements.
+    pub fn kind(&self) -> ElementKind {
+        self.six_nodes().map_or(ElementKind::Linear, SixNodes::kind)
     }
 
     /// The vertices of each fan, as [`Fan::corners`] has them.
@@ -124,13 +145,15 @@ impl Triangles {
         let fans = self.fans();
         let shapes = (0..fans.len()).map(|fan| self.shape.blocks.fan(fan)).collect();
         let of = (self.shape.corners.clone(), self.shape.slots.clone());
-        Self::of_fans((fans, shapes), self.shape.vertices.clone(), of, self.material.clone(), set)
+        let six_nodes = self.six_nodes().map(|six| Arc::new(six.in_set(set)));
+        let same = Self::of_fans((fans, shapes), self.shape.vertices.clone(), of, self.material.clone(), set);
+        Self { six_nodes, ..same }
     }
 
     /// The same triangles of another material. Shapes are shared.
     #[must_use]
     pub fn with_material(&self, material: BodyMaterial) -> Self {
-        Self { shape: Arc::clone(&self.shape), material }
+        Self { shape: Arc::clone(&self.shape), six_nodes: self.six_nodes.clone(), material }
     }
 
     /// The instruction set that forces, energies and stiffness are computed with.
@@ -176,12 +199,9 @@ impl Triangles {
         (0..self.shape.corners.len()).map(|triangle| self.rest(triangle).area)
     }
 
-    /// The deformation gradient of each triangle, with its rest area \[m²\].
+    /// The deformation gradient of each triangle, with its rest area \[m²\]; that at the centroid, where it is not constant.
     pub fn gradients(&self, x: &[f64]) -> impl Iterator<Item = (Matrix2<f64>, f64)> {
-        self.shape.corners.iter().enumerate().map(|(number, &triangle)| {
-            let Rest { inverse, area } = self.rest(number);
-            (edge_matrix(x, triangle) * inverse, area)
-        })
+        (0..self.shape.corners.len()).map(|number| (self.gradient_of(x, number), self.rest(number).area))
     }
 
     /// Adds the elastic forces on this body's vertices to `force` \[N\].
@@ -194,8 +214,21 @@ impl Triangles {
         self.material.passes().energy(self, x)
     }
 
+    /// Adds the viscous forces of Rayleigh damping.
+    pub(crate) fn add_viscous_force(&self, motion: Motion<'_>, law: Viscous, scratch: &mut [f64], force: &mut [f64]) {
+        match self.six_nodes() {
+            Some(six) => six.add_viscous_force([motion.x, motion.v], force, law, law.lambda()),
+            None => {
+                self.assemble(law, &mut Adding { x: motion.x, v: motion.v, force }, scratch);
+            }
+        }
+    }
+
     /// The same for a material of known type.
     pub(super) fn energy_of(&self, material: &impl Material, x: &[f64]) -> f64 {
+        if let Some(six) = self.six_nodes() {
+            return six.energy(x, six.elastic(&Elastic(*material), volume_of(material)));
+        }
         let Shape { vertices, partitions, blocks, .. } = &*self.shape;
         let corners = partitions.corners();
         blocks.set().dispatch(blocks::Energy { material, corners, blocks, x: &x[2 * vertices.start..] })
@@ -220,8 +253,16 @@ impl Triangles {
 
     /// The gradient of a velocity or displacement field in one triangle, with respect to the rest shape.
     pub(crate) fn gradient_of(&self, field: &[f64], number: usize) -> Matrix2<f64> {
-        edge_matrix(field, self.shape.corners[number]) * self.rest(number).inverse
+        match self.six_nodes() {
+            Some(six) => six.gradient(field, number / POINTS, number % POINTS),
+            None => edge_matrix(field, self.shape.corners[number]) * self.rest(number).inverse,
+        }
     }
+}
+
+/// The measure of volume of a material.
+pub(super) const fn volume_of<M: Material>(_: &M) -> Option<VolumeMeasure> {
+    M::VOLUME
 }
 
 /// D = [x1 - x0, x2 - x0] of a triangle, column by column.
@@ -295,7 +336,7 @@ impl Effect for Triangles {
     }
 
     fn has_euler_update(&self) -> bool {
-        true
+        self.six_nodes.is_none()
     }
 
     fn euler_update(&self, vertices: &mut EulerUpdate<'_>, scratch: &mut [f64]) {
@@ -310,6 +351,18 @@ impl Effect for Triangles {
             return f64::INFINITY;
         }
         let mut longest = f64::INFINITY;
+        if let Some(six) = self.six_nodes() {
+            for (point, element) in
+                (0..six.count()).flat_map(|element| six.loaded_points().map(move |point| (point, element)))
+            {
+                let (f, change) = (six.gradient(x, element, point), six.gradient(d, element, point));
+                if f.determinant() <= 0.0 {
+                    return f64::INFINITY;
+                }
+                longest = longest.min(until_flat(&f, &change, FLAT));
+            }
+            return longest;
+        }
         for (number, &triangle) in self.shape.corners.iter().enumerate() {
             let (edges, change) = (edge_matrix(x, triangle), edge_matrix(d, triangle));
             if edges.determinant() <= 0.0 {

@@ -2,6 +2,7 @@
 
 use super::{Account, random_contact, verdict::Count};
 use crate::{
+    elements::ElementKind,
     files,
     guard::Guard,
     integrators::IntegratorKind,
@@ -12,7 +13,7 @@ use crate::{
     random,
     scene::Scene,
     simulation::Simulation,
-    study::Stopwatch,
+    study::{Stopwatch, with_triangles},
 };
 
 /// Random variation of a level: other materials, masses, effects, steps, start shapes and velocities, and a pull by the mouse. Or a random
@@ -112,7 +113,15 @@ impl Variation {
     pub fn of(base: &str, level: &Level, seed: u32, number: u32) -> Self {
         let (integrator, model, _) = in_turn(number);
         let mut draw = Draw::new(seed, number);
-        let level = vary(Level { integrator, state: None, ..level.clone() }, model, &mut draw);
+        let mut level = vary(Level { integrator, state: None, ..level.clone() }, model, &mut draw);
+        let kind = ElementKind::ALL[draw.count(0, ElementKind::ALL.len() as u32 - 1) as usize];
+        // With as many vertices, where the meshes can be coarser.
+        if kind.has_six_nodes()
+            && let Ok(coarser) = with_triangles(&level, 0.25)
+        {
+            level = coarser;
+            level.bodies.iter_mut().for_each(|body| body.element = kind);
+        }
         Self { number, base: base.to_owned(), model, level }
     }
 

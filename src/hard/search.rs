@@ -2,6 +2,7 @@
 
 use super::random::{Outcome, Variation, Wrong};
 use crate::{
+    elements::ElementKind,
     level::{BodyLevel, Level, StartShape},
     quantity::{Factor, Spin, Velocity},
     study::{Deadline, spread, with_triangles},
@@ -102,7 +103,8 @@ fn smaller(level: &Level) -> Vec<Level> {
     all.push(changed(level, &|level| level.actions.clear()));
     all.push(changed(level, &|level| level.checks.clear()));
     for number in 0..level.bodies.len() {
-        let plain: [fn(&mut BodyLevel); 6] = [
+        let plain: [fn(&mut BodyLevel); 7] = [
+            |body| body.element = ElementKind::Linear,
             |body| body.stretch = (Factor::literal(1.0), Factor::literal(1.0)),
             |body| body.velocity = (Velocity::literal(0.0), Velocity::literal(0.0)),
             |body| body.spin = Spin::literal(0.0),

@@ -2,6 +2,7 @@
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, PER_CENT, Progress as Shown, ProgressOptions, ending};
 use crate::{
+    elements::ElementKind,
     files,
     integrators::IntegratorKind,
     level::{Level, Substeps},
@@ -31,6 +32,9 @@ pub struct Study {
     #[arg(long, value_delimiter = ',', num_args = 0.., conflicts_with_all = ["integrators", "steps"])]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     pub meshes: Option<Vec<u32>>,
+    /// Kinds of elements to compare on meshes of the same numbers of triangles, separated by commas: `Linear`, `MeanDilatation`, `Quadratic`.
+    #[arg(long, value_delimiter = ',', value_parser = element, requires = "meshes")]
+    pub elements: Vec<ElementKind>,
     /// What is compared between meshes: `deflection` or `energy`.
     #[arg(long, default_value = "deflection", value_parser = measure)]
     pub measure: Measure,
@@ -197,7 +201,8 @@ fn lines(curve: &Curve, reference: &Reference) -> String {
 }
 
 fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied, StudyError> {
-    let mut plan = MeshPlan { triangles, measure: request.measure, ..MeshPlan::default() };
+    let elements = request.elements.clone();
+    let mut plan = MeshPlan { triangles, elements, measure: request.measure, ..MeshPlan::default() };
     plan.threads = request.threads();
     if Trial::new(level, &files::Disk, request.seconds)?.scene.pins.len() < 2 {
         plan.moment = MeshMoment::AtTheEnd;
@@ -218,6 +223,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     };
     let _ = write!(table, "\nms: {}", price_in_words());
     table += "\n\n  triangles  size [mm]         value      error [%]        ms  runs";
+    table += if request.elements.is_empty() { "" } else { "  element" };
     for point in study.points() {
         let word = if point.status == Status::Ok { "not done" } else { point.status.word() };
         let value = point.value.map_or(word.to_owned(), |value| format!("{value:.6e}"));
@@ -225,8 +231,16 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
         let MeshPoint { triangles, ms, runs, .. } = *point;
         let size = 1e3 * point.size;
         let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}  {runs:>4}");
+        let _ = point.element.map(|kind| write!(table, "  {kind:?}"));
     }
-    let _ = write!(table, "\n\nMeasured order: {}", order_in_words(&study.order()));
+    table += "\n";
+    for element in study.elements() {
+        let kind = element.map_or(String::new(), |kind| format!(" of {kind:?}"));
+        let _ = write!(table, "\nMeasured order{kind}: {}", order_in_words(&study.order(element)));
+    }
+    for sentence in study.as_exact_in_words() {
+        table = table + "\n" + &sentence;
+    }
     let mut locking = Vec::new();
     if moment == MeshMoment::AtRest && study.is_telling() && done == 1.0 {
         match self::locking(request, level) {
@@ -430,6 +444,12 @@ pub(super) fn with_progress(
 fn substeps(text: &str) -> Result<Substeps, String> {
     let count = text.parse().map_err(|_| format!("expected whole numbers in [1, {}]", Substeps::MAX))?;
     Substeps::new(count)
+}
+
+fn element(text: &str) -> Result<ElementKind, String> {
+    let names = || ElementKind::ALL.map(|kind| format!("{kind:?}")).join(", ");
+    let is_meant = |kind: &&ElementKind| format!("{kind:?}").eq_ignore_ascii_case(text);
+    ElementKind::ALL.iter().find(is_meant).copied().ok_or_else(|| format!("expected one of {}", names()))
 }
 
 fn measure(text: &str) -> Result<Measure, String> {

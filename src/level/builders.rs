@@ -3,6 +3,7 @@
 use super::{BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, no_spin, no_velocity, unstretched};
 use crate::{
     effects::EffectKind,
+    elements::ElementKind,
     finish::Finish,
     materials::{BadMaterial, MaterialParameters, Model, TypedEnergy},
     meshes::MeshKind,
@@ -135,6 +136,7 @@ impl BodyLevel {
         Self {
             name: name.into(),
             mesh: mesh.into(),
+            element: ElementKind::default(),
             place: super::Place::default(),
             material,
             own_material: None,

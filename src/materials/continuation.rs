@@ -1,6 +1,7 @@
 //! Continuation of an energy below a threshold of its variable.
 
 use crate::simd::Real;
+use std::f64::consts::LN_10;
 
 /// An energy of one variable x below the threshold x0 from which its formula is used.
 ///
@@ -37,4 +38,23 @@ impl Continuation {
         let force = below * floor + slope + (sixth * r - 1.0) * share;
         [energy, force, sixth * excess + floor]
     }
+}
+
+/// Where ln² x is continued.
+pub(super) const FLAT: f64 = 0.1;
+
+/// l below [`FLAT`]: ln² x has the derivatives 2 ln(x)/x and 2 (1 - ln x)/x².
+pub(super) const SQUARED_LOGARITHM: Continuation = Continuation {
+    threshold: FLAT,
+    there: [LN_10 * LN_10, -2.0 * LN_10 / FLAT, 2.0 * (1.0 + LN_10) / (FLAT * FLAT)],
+    floor: 2.0,
+};
+
+/// `l = ln² x`, continued below [`FLAT`], and its first two derivatives.
+#[inline(always)]
+pub(super) fn squared_logarithm<R: Real>(x: R) -> [R; 3] {
+    let (flat, log, inverse) = (x.of(FLAT), x.logarithm(), x.of(1.0) / x);
+    let exact = [log * log, log * inverse * 2.0, (-log + 1.0) * inverse * inverse * 2.0];
+    let [energy, force, bend] = SQUARED_LOGARITHM.derivatives(x);
+    [x.if_less(flat, energy, exact[0]), x.if_less(flat, force, exact[1]), x.if_less(flat, bend, exact[2])]
 }

@@ -1,6 +1,6 @@
 //! Corotated linear model.
 
-use super::{Lame, Material, Moduli, Parts, PlaneStress, outer};
+use super::{Lame, Material, Moduli, Parts, PlaneStress, VolumeMeasure, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
@@ -86,6 +86,7 @@ impl Material for Corotated {
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (R:F − 2)²";
     const CONTINUATION: &'static str = "R:F = 0: every rotation is equally near, and R = I is taken";
     const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Trace);
 
     type Sheet = Self;
 
@@ -106,6 +107,13 @@ impl Material for Corotated {
         // 2 mu, but for round-off: just what is left at rest, where there is to be no stress.
         let sum = lambda + mu;
         with_rotation(f, [2.0 * (sum - lambda), lambda, -2.0 * sum])
+    }
+
+    /// U = lambda/2 (m - 2)².
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let (lambda, growth) = (self.lame.lambda, measure - 2.0);
+        [growth * growth * (0.5 * lambda), growth * lambda, growth.of(lambda)]
     }
 
     /// dP = 2 mu dF + lambda (R : dF) R + (lambda tr(S - I) - 2 mu) dR. dR : F vanishes because S is symmetric.

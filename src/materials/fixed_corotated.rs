@@ -1,7 +1,7 @@
 //! Fixed corotated model.
 
 use super::{
-    COFACTOR, Corotated, FixedCorotatedSheet, Lame, Material, Moduli, Parts, PlaneStress,
+    COFACTOR, Corotated, FixedCorotatedSheet, Lame, Material, Moduli, Parts, PlaneStress, VolumeMeasure,
     corotated::{turn, with_rotation},
     nearest_rotation, outer,
 };
@@ -36,6 +36,7 @@ impl Material for FixedCorotated {
     const FORMULA: &'static str = "ψ = μ |F − R|² + λ/2 (J − 1)²,  J = det F";
     const CONTINUATION: &'static str = Corotated::CONTINUATION;
     const PLANE_STRESS: PlaneStress = PlaneStress::Solved;
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
 
     type Sheet = FixedCorotatedSheet;
 
@@ -54,6 +55,13 @@ impl Material for FixedCorotated {
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let two_mu = 2.0 * self.lame.mu;
         with_rotation(f, [two_mu, 0.0, -two_mu]) + f.cofactor() * ((f.determinant() - 1.0) * self.lame.lambda)
+    }
+
+    /// U = lambda/2 (J - 1)².
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let (lambda, growth) = (self.lame.lambda, measure - 1.0);
+        [growth * growth * (0.5 * lambda), growth * lambda, growth.of(lambda)]
     }
 
     /// dP = 2 mu (dF - dR) + lambda (G : dF) G + lambda (J - 1) dG.

@@ -1,9 +1,13 @@
 //! Hencky model (logarithmic strain).
 
-use super::{COFACTOR, Lame, Material, Moduli, Parts, PlaneStress, continuation::Continuation, outer};
+use super::{
+    COFACTOR, Lame, Material, Moduli, Parts, PlaneStress, VolumeMeasure,
+    continuation::{FLAT, SQUARED_LOGARITHM, squared_logarithm},
+    outer,
+};
 use crate::simd::{Mat2, Real, polynomial};
 use nalgebra::{Matrix2, Matrix4, Vector4};
-use std::f64::consts::{FRAC_1_SQRT_2, LN_10};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Hencky: Hooke's law between logarithmic strain and Kirchhoff stress.
 ///
@@ -52,25 +56,6 @@ impl Hencky {
     const fn bulk(&self) -> f64 {
         self.lame.mu + self.lame.lambda
     }
-}
-
-/// The least stretch and the least J of the formula.
-const FLAT: f64 = 0.1;
-
-/// l below [`FLAT`]: ln² x has the derivatives 2 ln(x)/x and 2 (1 - ln x)/x².
-const SQUARED_LOGARITHM: Continuation = Continuation {
-    threshold: FLAT,
-    there: [LN_10 * LN_10, -2.0 * LN_10 / FLAT, 2.0 * (1.0 + LN_10) / (FLAT * FLAT)],
-    floor: 2.0,
-};
-
-/// l and its first two derivatives.
-#[inline(always)]
-fn squared_logarithm<R: Real>(x: R) -> [R; 3] {
-    let (flat, log, inverse) = (x.of(FLAT), x.logarithm(), x.of(1.0) / x);
-    let exact = [log * log, log * inverse * 2.0, (-log + 1.0) * inverse * inverse * 2.0];
-    let [energy, force, bend] = SQUARED_LOGARITHM.derivatives(x);
-    [x.if_less(flat, energy, exact[0]), x.if_less(flat, force, exact[1]), x.if_less(flat, bend, exact[2])]
 }
 
 /// The energy with both ranges of l, for every F: with `s1 = (p + q)/sqrt 2` and `s2 = (p - q)/sqrt 2` of [`Parts`].
@@ -242,6 +227,7 @@ impl Material for Hencky {
     const CONTINUATION: &'static str =
         "s₂ < 0.1 or J < 0.1: each ln² goes on with a second derivative that falls to that of rest at 0";
     const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
 
     type Sheet = Self;
 
@@ -278,6 +264,14 @@ impl Material for Hencky {
             either(slack, below.m21, exact.m21),
             either(slack, below.m22, exact.m22),
         )
+    }
+
+    /// U = lambda/2 l(J), l = ln² J from 0.1 on.
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let [energy, slope, bend] = squared_logarithm(measure);
+        let half = 0.5 * self.lame.lambda;
+        [energy * half, slope * half, bend * half]
     }
 
     /// `J dP = d(J P) - P (G : dF)`. With `dy = 2 (K : dF)/p²` and `(1 - y)(F + G) = K + 2 G` that is

@@ -21,6 +21,7 @@ mod sheet;
 mod st_venant_kirchhoff;
 mod stable_neo_hookean;
 mod typed;
+mod volume;
 
 pub use corotated::{Corotated, nearest_rotation};
 pub use fixed_corotated::FixedCorotated;
@@ -33,6 +34,7 @@ pub use sheet::{FixedCorotatedSheet, NeoHookeanSheet};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;
 pub use typed::{BadEnergy, TypedEnergy, TypedMaterial};
+pub use volume::VolumeMeasure;
 
 use crate::{
     registry::registry,
@@ -77,6 +79,9 @@ pub trait Material: Copy + Send + Sync + 'static {
     /// How the faces of a sheet stay free of stress at large strain.
     const PLANE_STRESS: PlaneStress = PlaneStress::Approximate;
 
+    /// The measure m(F) of [`Self::volumetric`]; `None` if it is not known which part of the energy resists changes of volume.
+    const VOLUME: Option<VolumeMeasure> = None;
+
     /// The model whose thickness solves P33 = 0, for [`PlaneStress::Solved`]; otherwise the model itself.
     type Sheet: Material;
 
@@ -88,6 +93,13 @@ pub trait Material: Copy + Send + Sync + 'static {
 
     /// First Piola-Kirchhoff stress P = dpsi/dF [N/m per unit rest length, that is Pa of a 1 m thick sheet].
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R>;
+
+    /// U, U' and U'' of the part `U(m(F))` of psi that resists changes of volume, where it is stiff: with [`Self::VOLUME`] as m, what is
+    /// left of psi without it has no factor lambda.
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        [measure.of(0.0); 3]
+    }
 
     /// [`Self::psi`] of one gradient [J/m²].
     fn energy(&self, f: &Matrix2<f64>) -> f64 {

@@ -90,6 +90,14 @@ impl<R: Real> Moduli<R> {
         Self { twist: self.twist * factor, flip: self.flip * factor, sizes: [a * factor, b * factor, c * factor] }
     }
 
+    /// The sum of both.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.sizes, other.sizes);
+        Self { twist: self.twist + other.twist, flip: self.flip + other.flip, sizes: [a + d, b + e, c + f] }
+    }
+
     /// The change of the stress with a change of F, `dP = (dP/dF) : dF`, from what F consists of.
     #[inline(always)]
     #[must_use]

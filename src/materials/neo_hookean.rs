@@ -1,6 +1,10 @@
 //! Compressible neo-Hookean model.
 
-use super::{COFACTOR, Lame, Material, Moduli, NeoHookeanSheet, Parts, PlaneStress, continuation::Continuation, outer};
+use super::{
+    COFACTOR, Lame, Material, Moduli, NeoHookeanSheet, Parts, PlaneStress, VolumeMeasure,
+    continuation::{Continuation, FLAT, squared_logarithm},
+    outer,
+};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::LN_10;
@@ -26,9 +30,6 @@ use std::f64::consts::LN_10;
 pub struct NeoHookean {
     lame: Lame,
 }
-
-/// J0: where U is continued.
-const FLAT: f64 = 0.1;
 
 impl NeoHookean {
     /// The model with these parameters.
@@ -76,6 +77,7 @@ impl Material for NeoHookean {
     const CONTINUATION: &'static str =
         "J < 0.1: the energy goes on with a stiffness that falls to the one at rest at J = 0";
     const PLANE_STRESS: PlaneStress = PlaneStress::Solved;
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
 
     type Sheet = NeoHookeanSheet;
 
@@ -97,6 +99,14 @@ impl Material for NeoHookean {
     #[inline(always)]
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         f * self.lame.mu + f.cofactor() * self.area(f.determinant())[0]
+    }
+
+    /// U = lambda/2 ln² J, continued below J0 like the energy.
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let [energy, slope, bend] = squared_logarithm(measure);
+        let half = 0.5 * self.lame.lambda;
+        [energy * half, slope * half, bend * half]
     }
 
     /// dP = mu dF + U'' (G : dF) G + U' dG.

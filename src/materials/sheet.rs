@@ -6,7 +6,9 @@
 //! `lambda_ps = 2 mu lambda / (2 mu + lambda)`, from which `a = lambda / (2 mu + lambda) = lambda_ps / (2 mu)` and `b = 1 - a`
 //! follow. a is `nu / (1 - nu)`: 0 for nu = 0, 1 for nu = 0.5, where the volume cannot change.
 
-use super::{COFACTOR, Corotated, FixedCorotated, Lame, Material, Moduli, NeoHookean, Parts, corotated, outer};
+use super::{
+    COFACTOR, Corotated, FixedCorotated, Lame, Material, Moduli, NeoHookean, Parts, VolumeMeasure, corotated, outer,
+};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::SQRT_2;
@@ -137,6 +139,8 @@ impl Material for NeoHookeanSheet {
     const FORMULA: &'static str = "ψ = μ/2 (|F|² + t² − 3) − μ ln(J t) + λ/2 ln²(J t),  P₃₃ = 0,  J = det F ≥ 0.1";
     const BARRIER: bool = NeoHookean::BARRIER;
     const CONTINUATION: &'static str = CONTINUATION;
+    /// A sheet that thins is not stiff against changes of area.
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
 
     type Sheet = Self;
 
@@ -230,6 +234,8 @@ impl Material for FixedCorotatedSheet {
     const LETTER: &'static str = FixedCorotated::LETTER;
     const FORMULA: &'static str = "ψ = μ (|F − R|² + (t − 1)²) + λ/2 (J t − 1)²,  P₃₃ = 0,  J = det F ≥ 0.1";
     const CONTINUATION: &'static str = CONTINUATION;
+    /// A sheet that thins is not stiff against changes of area.
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
 
     type Sheet = Self;
 

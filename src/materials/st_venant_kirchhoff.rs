@@ -1,6 +1,6 @@
 //! St. Venant-Kirchhoff model.
 
-use super::{Lame, Material, Moduli, Parts, PlaneStress, outer};
+use super::{Lame, Material, Moduli, Parts, PlaneStress, VolumeMeasure, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -42,6 +42,7 @@ impl Material for StVenantKirchhoff {
     const LETTER: &'static str = "V";
     const FORMULA: &'static str = "ψ = μ E:E + λ/2 tr(E)²,  E = (F^T F − I)/2";
     const PLANE_STRESS: PlaneStress = PlaneStress::Exact;
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Square);
 
     type Sheet = Self;
 
@@ -58,6 +59,13 @@ impl Material for StVenantKirchhoff {
     #[inline(always)]
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         f.times(self.strain_and_stress(f).1)
+    }
+
+    /// U = lambda/8 (m - 2)², as tr(E) is (m - 2)/2.
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let (lambda, growth) = (self.lame.lambda, measure - 2.0);
+        [growth * growth * (0.125 * lambda), growth * (0.25 * lambda), growth.of(0.25 * lambda)]
     }
 
     /// dP = dF S + mu (F dFᵀ F + F Fᵀ dF) + lambda (F : dF) F.

@@ -1,6 +1,6 @@
 //! Stable neo-Hookean model.
 
-use super::{COFACTOR, Lame, Material, Moduli, Parts, outer};
+use super::{COFACTOR, Lame, Material, Moduli, Parts, VolumeMeasure, outer};
 use crate::simd::{Mat2, Real};
 use nalgebra::{Matrix2, Matrix4};
 
@@ -48,6 +48,8 @@ impl Material for StableNeoHookean {
     const LETTER: &'static str = "S";
     const FORMULA: &'static str = "ψ = 3μ/4 (I − 2 − ln((I + 1)/3)) + (λ/2 + μ/3)(J − 1)² − μ (J − 1),  I = |F|²";
 
+    const VOLUME: Option<VolumeMeasure> = Some(VolumeMeasure::Determinant);
+
     type Sheet = Self;
 
     fn sheet(&self) -> Self {
@@ -66,6 +68,13 @@ impl Material for StableNeoHookean {
     fn piola<R: Real>(&self, f: Mat2<R>) -> Mat2<R> {
         let (shear, volume) = self.factors(f);
         f * shear + f.cofactor() * volume
+    }
+
+    /// U = lambda/2 (J - 1)².
+    #[inline(always)]
+    fn volumetric<R: Real>(&self, measure: R) -> [R; 3] {
+        let (lambda, growth) = (self.lame.lambda, measure - 1.0);
+        [growth * growth * (0.5 * lambda), growth * lambda, growth.of(lambda)]
     }
 
     /// dP = a dF + b dG + 3 mu/(I + 1)² (F : dF) F + l (G : dF) G, with P = a F + b G.

@@ -154,6 +154,18 @@ pub struct Embedded {
 }
 
 impl Embedded {
+    /// The same point in the four triangles that each is divided into, by [`Mesh::refined`](super::Mesh::refined).
+    pub(super) fn refine(&mut self) {
+        let corner = self.weights.iter().position(|weight| *weight >= 0.5);
+        self.triangle = 4 * self.triangle + corner.unwrap_or(3) as u32;
+        let [a, b, c] = self.weights;
+        self.weights = match corner {
+            Some(corner) => [0, 1, 2].map(|other| 2.0 * self.weights[other] - f64::from(u8::from(other == corner))),
+            // The corners of the inner triangle are the middles ab, bc and ca.
+            None => [1.0 - 2.0 * c, 1.0 - 2.0 * a, 1.0 - 2.0 * b],
+        };
+    }
+
     /// Present position of the point \[m\], for vertex positions `x` with two numbers per vertex.
     pub fn position(&self, triangles: &[[u32; 3]], x: &[f64]) -> [f64; 2] {
         let mut point = [0.0; 2];

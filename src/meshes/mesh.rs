@@ -1,10 +1,12 @@
 //! Triangle mesh with checked topology.
 
 use super::{
-    Fan, Locator, MeshError, Numbering, Stroke,
+    Embedded, Fan, Locator, MeshError, Numbering, Stroke,
     error::MOST_TRIANGLES,
     topology::{Topology, fans},
 };
+
+use std::collections::BTreeMap;
 
 /// Smallest area of a triangle relative to its longest side squared. Below it the rest shape has no usable inverse.
 const FLATTEST: f64 = 1e-12;
@@ -103,6 +105,39 @@ impl Mesh {
             messages: self.messages.clone(),
             numbering,
         }
+    }
+
+    /// The mesh with each triangle (a, b, c) divided into four at the middles of its sides: (a, ab, ca), (ab, b, bc), (ca, bc, c) and (ab, bc,
+    /// ca), which take its place. Vertices keep their numbers; the new ones come after them.
+    ///
+    /// # Errors
+    /// [`MeshError::TooMany`], if these are too many triangles.
+    pub fn refined(&self) -> Result<Self, MeshError> {
+        let (mut points, count) = (self.points.clone(), self.points.len() as u32);
+        let mut middles = BTreeMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                let [one, other] = [a, b].map(|end| self.points[end as usize]);
+                points.push([0, 1].map(|axis| 0.5 * (one[axis] + other[axis])));
+                points.len() as u32 - 1
+            })
+        };
+        let divided = |&[a, b, c]: &[u32; 3]| {
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        let triangles: Vec<_> = self.triangles.iter().flat_map(divided).collect();
+        let numbering = if self.numbering.is_as_listed() {
+            Numbering::default()
+        } else {
+            let names = (0..count).map(|vertex| self.numbering.name(vertex)).chain(count..points.len() as u32);
+            let of_four = |part: usize| 4 * self.numbering.element_name(part / 4) + part % 4;
+            Numbering::new(names.collect(), (0..triangles.len()).map(|part| of_four(part) as u32).collect())
+        };
+        let mut icing = self.icing.clone();
+        icing.iter_mut().flat_map(|stroke| &mut stroke.points).for_each(Embedded::refine);
+        let messages = self.messages.clone();
+        Ok(Self { icing, messages, numbering, ..Self::new(points, triangles)? })
     }
 
     /// Numbers of vertices and triangles in the original list.

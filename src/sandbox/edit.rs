@@ -4,6 +4,7 @@ use super::{Refused, Sandbox, Then, wind::set_wind};
 use crate::{
     command::Command,
     document::{Document, Gesture},
+    elements::ElementKind,
     level::{BodyLevel, EffectLevel, Switch, When},
     materials::Model,
     meshes::MeshKind,
@@ -36,6 +37,7 @@ impl Sandbox {
                 then = self.set_mesh(&mut document, body, mesh)?;
                 gesture = Some(Gesture::Mesh(document.source(body)));
             }
+            Command::SetElement(body, element) => then = self.set_element(&mut document, body, element)?,
             Command::SetMass(body, mass) => {
                 let body = document.source(body);
                 get(&mut document.level.bodies, body)?.mass = mass;
@@ -120,6 +122,18 @@ impl Sandbox {
         if get(&mut document.level.bodies, body)?.mesh == mesh {
             return Ok(Then::Keep);
         }
+        document.set_mesh(body, mesh, &self.rest_points(shown));
+        Ok(Then::Restart)
+    }
+
+    fn set_element(&self, document: &mut Document, shown: usize, element: ElementKind) -> Result<Then, Refused> {
+        let body = document.source(shown);
+        let listed = get(&mut document.level.bodies, body)?;
+        if listed.element == element {
+            return Ok(Then::Keep);
+        }
+        listed.element = element;
+        let mesh = listed.mesh.clone();
         document.set_mesh(body, mesh, &self.rest_points(shown));
         Ok(Then::Restart)
     }

@@ -18,7 +18,7 @@ pub use sub_scene::SubScene;
 use crate::{
     contact::ClothSurface,
     effects::{Effect, HeldVertices, LengthProjection, Motion},
-    elements::{BodyMaterial, CoupledMass, ElasticElements, Elements, Triangles},
+    elements::{BodyMaterial, CoupledMass, ElasticElements, ElementKind, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
     materials::{MaterialParameters, TypedEnergy},
@@ -230,6 +230,11 @@ impl Body {
     /// Parameters of its mesh.
     pub const fn recipe(&self) -> &MeshKind {
         &self.recipe
+    }
+
+    /// Whether its mesh is that of a level.
+    pub fn is_made_as(&self, level: &BodyLevel) -> bool {
+        self.recipe == level.mesh && self.elements.kind().has_six_nodes() == level.element.has_six_nodes()
     }
 }
 
@@ -490,12 +495,17 @@ impl Scene {
 
     fn add_body(&mut self, level: &BodyLevel, files: &dyn Files, previous: Option<&Self>) -> Result<(), String> {
         let before = previous.into_iter().flat_map(|scene| &scene.bodies);
-        let known = self.bodies.iter().chain(before).find(|body| body.recipe == level.mesh);
+        let known = self.bodies.iter().chain(before).find(|body| body.is_made_as(level));
         let mesh = if let Some(body) = known {
             Arc::clone(&body.mesh)
         } else {
-            let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            Arc::new(numbering::mesh(mesh))
+            let mesh = numbering::mesh(level.mesh.kind().build(files).map_err(|error| error.to_string())?);
+            let has_six = level.element.has_six_nodes();
+            Arc::new(if has_six {
+                mesh.refined().map_err(|error| format!("divided into four, {error}"))?
+            } else {
+                mesh
+            })
         };
         let numbering = mesh.numbering();
         let first = self.rest.len() / self.dimension;
@@ -512,12 +522,23 @@ impl Scene {
         }
         let own = level.own_material.as_ref().map(|own| own.with(level.material));
         let material = own.map_or_else(|| material_of(level.energy.as_ref(), level.material), Ok)?;
-        let is_same = |body: &&Body| Arc::ptr_eq(&body.mesh, &mesh) && body.vertices == vertices;
+        if level.element == ElementKind::MeanDilatation && !material.has_volume_measure() {
+            return Err(format!(
+                "{} does not say which part of its energy resists changes of volume, as elements of mean dilatation need; take quadratic or linear ones",
+                material.title()
+            ));
+        }
+        let is_same = |body: &&Body| {
+            Arc::ptr_eq(&body.mesh, &mesh) && body.vertices == vertices && body.elements.kind() == level.element
+        };
         let same = previous.and_then(|scene| Some((scene, scene.bodies.iter().find(is_same)?)));
         // Blocks are kept while a slider changes the material.
-        let elements = match same.filter(|(scene, _)| scene.rest.get(self.numbers(&vertices)) == Some(rest)) {
-            Some((_, body)) => body.elements.with_material(material),
-            None => Triangles::new(&self.rest, vertices.clone(), &mesh, material),
+        let unchanged = same.filter(|(scene, _)| scene.rest.get(self.numbers(&vertices)) == Some(rest));
+        let elements = if let Some((_, body)) = unchanged {
+            body.elements.with_material(material)
+        } else {
+            let triangles = Triangles::new(&self.rest, vertices.clone(), &mesh, material);
+            triangles.of_kind(level.element, &self.rest, &mesh)
         };
         let elements = Arc::new(elements);
         if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {

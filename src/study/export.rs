@@ -265,17 +265,30 @@ impl MeshStudy {
             ("moment", self.plan().moment.to_string()),
             ("reference", reference),
             ("reference_error_estimate", finite(own)),
-            ("measured_order", order_in_words(&self.order())),
             ("ms_of_computing", price_in_words()),
         ];
+        for element in self.elements() {
+            let order = order_in_words(&self.order(element));
+            more.push(("measured_order", element.map_or(order.clone(), |kind| format!("{kind:?}: {order}"))));
+        }
         let name = |of: &LockingNumber| if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" };
         more.extend(locking.iter().map(|of| (name(of), of.words())));
-        let columns =
-            ["triangles", "vertices", "size_m", "status", "value", "error", "ms_of_computing", "ms_least_of_runs"];
+        let columns = [
+            "element",
+            "triangles",
+            "vertices",
+            "size_m",
+            "status",
+            "value",
+            "error",
+            "ms_of_computing",
+            "ms_least_of_runs",
+        ];
         let mut table = Table::new(head_of(self.trial(), self.plan().threads, &more), &columns);
         for point in self.points() {
             let Some(value) = point.value else { continue };
             table.row([
+                point.element.map_or_else(String::new, |kind| format!("{kind:?}")),
                 point.triangles.to_string(),
                 point.vertices.to_string(),
                 format!("{:e}", point.size),

@@ -7,6 +7,7 @@ use super::{
     trial::limit,
 };
 use crate::{
+    elements::ElementKind,
     integrators::Class,
     level::{Level, Pin, Substeps},
     meshes::{Files, NoFiles},
@@ -31,6 +32,8 @@ pub enum MeshMoment {
 pub struct MeshPlan {
     /// Target numbers of triangles. If empty: 1/64, 1/16, 1/4, 1 and 4 times the level's own number.
     pub triangles: Vec<u32>,
+    /// Kinds of elements that are compared, each on meshes of these numbers of triangles; if empty, those of the level.
+    pub elements: Vec<ElementKind>,
     /// Quantity that is compared.
     pub measure: Measure,
     /// Time at which the quantity is measured.
@@ -42,7 +45,7 @@ pub struct MeshPlan {
 impl Default for MeshPlan {
     fn default() -> Self {
         let (measure, moment) = (Measure::default(), MeshMoment::default());
-        Self { triangles: Vec::new(), measure, moment, threads: threads() }
+        Self { triangles: Vec::new(), elements: Vec::new(), measure, moment, threads: threads() }
     }
 }
 
@@ -58,7 +61,9 @@ impl std::fmt::Display for MeshMoment {
 /// Mesh and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPoint {
-    /// Number of triangles. Before the mesh is built: the target number.
+    /// Kind of the elements of all bodies, if kinds are compared.
+    pub element: Option<ElementKind>,
+    /// Number of triangles, those that elements of six nodes are divided into. Before the mesh is built: the target number.
     pub triangles: usize,
     /// Number of vertices.
     pub vertices: usize,
@@ -101,7 +106,7 @@ pub struct MeshStudy {
     plan: MeshPlan,
     /// Stability limit of the trial's own mesh [steps per frame].
     limit: f64,
-    /// From coarse to fine.
+    /// One kind of elements after the other, each from coarse to fine.
     slots: Vec<Slot>,
     repetitions: Repetitions,
     finished: bool,
@@ -110,16 +115,24 @@ pub struct MeshStudy {
 /// Reference value of a mesh study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshReference {
-    /// Value extrapolated from the three finest meshes to triangle size 0.
+    /// Value extrapolated from the three finest meshes to triangle size 0: of several kinds of elements, from that whose value on the finest
+    /// mesh is nearest to it.
     pub value: f64,
     /// Estimated relative error: its distance from the value on the finest mesh.
     pub own_error: f64,
     /// Order p of the differences, which shrink as h^p.
     pub order: f64,
+    /// Kind of elements that it is of, if kinds are compared.
+    pub element: Option<ElementKind>,
 }
 
-/// Orders for which values are extrapolated. Linear triangles have order 2, less near corners.
-const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
+/// Orders for which values are extrapolated. Linear triangles have order 2, quadratic ones 3, and 4 in energies; all less near corners.
+const fn orders(kind: ElementKind) -> std::ops::RangeInclusive<f64> {
+    match kind {
+        ElementKind::Linear | ElementKind::MeanDilatation => 0.5..=2.5,
+        ElementKind::Quadratic => 0.5..=4.5,
+    }
+}
 
 /// Reason why a mesh study has no reference value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -135,7 +148,7 @@ pub enum NoMeshReference {
     TooFewMeshes,
     /// The differences of the three finest meshes do not shrink as h^p with a valid order p.
     #[error(
-        "No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5 ({}), so the values cannot be extrapolated \
+        "No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= {greatest} ({}), so the values cannot be extrapolated \
          and no errors are given. Known is the value on the finest mesh, {finest:.6e}; the last refinement changed it by {:.2} %. The true \
          value may be much farther away: so it is where triangles lock, and where each mesh moves in its own way. Ask for finer meshes, \
          cross the diagonals of rectangles, or compare at a shorter time",
@@ -145,6 +158,8 @@ pub enum NoMeshReference {
     NotShrinking {
         /// Measured order. `None` if the differences change sign.
         order: Option<f64>,
+        /// Greatest order that is valid for the elements.
+        greatest: f64,
         /// Value on the finest mesh.
         finest: f64,
         /// Relative change by the last refinement.
@@ -177,12 +192,17 @@ impl MeshStudy {
         }
         wanted.sort_unstable();
         let mut slots: Vec<Slot> = Vec::new();
-        for triangles in wanted {
-            let level = with_triangles(&level, f64::from(triangles) / own)?;
+        let kinds: Vec<_> =
+            if plan.elements.is_empty() { vec![None] } else { plan.elements.iter().copied().map(Some).collect() };
+        for (element, triangles) in
+            kinds.iter().flat_map(|kind| wanted.iter().map(move |triangles| (*kind, *triangles)))
+        {
+            let level = with_elements(&level, element, f64::from(triangles) / own)?;
             // Targets that give the same mesh are merged.
             if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
                 let (triangles, status) = (triangles as usize, Status::Ok);
-                let point = MeshPoint { triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
+                let point =
+                    MeshPoint { element, triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
                 let (run_state, spent) = (RunState::Waiting, Duration::ZERO);
                 slots.push(Slot { level, point, moved: 0.0, run_state, spent, scene: None, due: false, again: None });
             }
@@ -252,14 +272,17 @@ impl MeshStudy {
         }
     }
 
-    /// Meshes from coarse to fine.
+    /// Meshes, one kind of elements after the other, each from coarse to fine.
     pub fn points(&self) -> impl Iterator<Item = &MeshPoint> {
         self.slots.iter().map(|slot| &slot.point)
     }
 
     /// Whether a point is the level's own mesh.
     pub fn is_current(&self, point: &MeshPoint) -> bool {
-        point.vertices == self.trial.scene.vertices() && point.triangles == self.trial.scene.triangles.len()
+        let own = self.trial.scene.bodies.iter().map(|body| body.elements.kind());
+        point.vertices == self.trial.scene.vertices()
+            && point.triangles == self.trial.scene.triangles.len()
+            && point.element.is_none_or(|element| own.into_iter().all(|kind| kind == element))
     }
 
     /// Reference value, or the reason why there is none. `None` until all meshes have run.
@@ -269,7 +292,21 @@ impl MeshStudy {
     }
 
     fn extrapolate(&self) -> Result<MeshReference, NoMeshReference> {
-        let values: Vec<_> = self.slots.iter().filter_map(|slot| Some((slot.point.size, slot.point.value?))).collect();
+        let found: Vec<_> = self.elements().into_iter().map(|element| self.extrapolate_of(element)).collect();
+        let best = found.iter().flatten().min_by(|one, other| one.own_error.total_cmp(&other.own_error));
+        best.map_or_else(|| found.first().copied().unwrap_or(Err(NoMeshReference::TooFewMeshes)), |best| Ok(*best))
+    }
+
+    /// The kinds of elements that are compared; `None` for those of the level.
+    pub fn elements(&self) -> Vec<Option<ElementKind>> {
+        let mut all: Vec<_> = self.points().map(|point| point.element).collect();
+        all.dedup();
+        all
+    }
+
+    fn extrapolate_of(&self, element: Option<ElementKind>) -> Result<MeshReference, NoMeshReference> {
+        let own = self.slots.iter().filter(|slot| slot.point.element == element);
+        let values: Vec<_> = own.filter_map(|slot| Some((slot.point.size, slot.point.value?))).collect();
         let extent = self.trial.scene.rest.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
         let moved = self.slots.iter().map(|slot| slot.moved).fold(0.0, f64::max);
         if moved <= 1e-12 * extent {
@@ -286,13 +323,15 @@ impl MeshStudy {
         let &[.., (h2, v2), (h1, v1), (h0, v0)] = values.as_slice() else { return Err(NoMeshReference::TooFewMeshes) };
         let shrinking = (v2 - v1) / (v1 - v0);
         let order = (shrinking > 0.0).then(|| order_of_differences([h0, h1, h2], shrinking));
-        let Some(order) = order.filter(|order| ORDERS.contains(order)) else {
-            let last = ((v0 - v1) / v0).abs();
-            return Err(NoMeshReference::NotShrinking { order, finest: v0, last });
+        let own = self.trial.scene.bodies.first().map_or(ElementKind::Linear, |body| body.elements.kind());
+        let valid = orders(element.unwrap_or(own));
+        let Some(order) = order.filter(|order| valid.contains(order)) else {
+            let (last, greatest) = (((v0 - v1) / v0).abs(), *valid.end());
+            return Err(NoMeshReference::NotShrinking { order, greatest, finest: v0, last });
         };
         let beyond = (v0 - v1) / (libm::pow(h1 / h0, order) - 1.0);
         let value = v0 + beyond;
-        Ok(MeshReference { value, own_error: (beyond / value).abs(), order })
+        Ok(MeshReference { value, own_error: (beyond / value).abs(), order, element })
     }
 
     /// Whether the values depend on the mesh. False until all meshes have run.
@@ -307,12 +346,46 @@ impl MeshStudy {
         Some(((point.value? - reference) / reference).abs())
     }
 
-    /// Measured order of the error in the triangle size, by [`measured_order`].
-    /// The finest mesh does not count, because the reference was made from it.
+    /// For each kind of elements but the first: the cheapest mesh that is as exact as the finest one of the first kind, and that one; nothing
+    /// where there is none.
+    pub fn as_exact(&self) -> Vec<[&MeshPoint; 2]> {
+        let [first, others @ ..] = &*self.elements() else { return Vec::new() };
+        let known = |kind: Option<ElementKind>| {
+            let own = self.points().filter(move |point| point.element == kind && point.ms > 0.0);
+            own.filter_map(|point| Some((point, self.error_of(point)?)))
+        };
+        let Some((finest, error)) = known(*first).last() else { return Vec::new() };
+        let cheapest = |kind: &Option<ElementKind>| {
+            let exact = known(*kind).filter(|(_, own)| *own <= error);
+            exact.map(|(point, _)| point).min_by(|one, other| one.ms.total_cmp(&other.ms))
+        };
+        others.iter().filter_map(cheapest).map(|point| [point, finest]).collect()
+    }
+
+    /// The same, a sentence for each.
+    pub fn as_exact_in_words(&self) -> Vec<String> {
+        let sentence = |[point, other]: [&MeshPoint; 2]| {
+            let [name, other_name] = [point, other].map(|point| point.element.map_or("", ElementKind::title));
+            let times = other.ms / point.ms;
+            let cost = match times {
+                1.0.. => format!("{times:.1} times cheaper"),
+                _ => format!("{:.1} times dearer", 1.0 / times),
+            };
+            let (few, many) = (point.triangles, other.triangles);
+            format!(
+                "{name} with {few} triangles is at least as exact as {} with {many}, and {cost}.",
+                other_name.to_lowercase()
+            )
+        };
+        self.as_exact().into_iter().map(sentence).collect()
+    }
+
+    /// Measured order of the error of a kind of elements in the triangle size, by [`measured_order`].
+    /// The finest mesh that the reference was made from does not count.
     ///
     /// # Errors
     /// [`NoOrder`] if no order can be measured.
-    pub fn order(&self) -> MeasuredOrder {
+    pub fn order(&self, element: Option<ElementKind>) -> MeasuredOrder {
         let reference = match self.reference() {
             Some(Ok(reference)) => reference,
             Some(Err(NoMeshReference::NothingMoves)) => return Err(NoOrder::NothingMoves),
@@ -321,8 +394,10 @@ impl MeshStudy {
             Some(Err(NoMeshReference::NotShrinking { .. })) | None => return Err(NoOrder::NoReference),
         };
         let sample = |point: &MeshPoint| Some(Sample { h: point.size, error: self.error_of(point)? });
-        let mut samples: Vec<_> = self.points().filter_map(sample).collect();
-        samples.pop();
+        let mut samples: Vec<_> = self.points().filter(|point| point.element == element).filter_map(sample).collect();
+        if reference.element == element {
+            samples.pop();
+        }
         measured_order(samples, Limits { round_off: ROUND_OFF, reference: reference.own_error })
     }
 }
@@ -471,6 +546,16 @@ impl Measure {
             Self::ElasticEnergy => scene.bodies.iter().map(|body| body.elements.elastic_energy(x)).sum(),
         }
     }
+}
+
+/// Level with about `share` times as many triangles, of bodies with elements of one kind, if it is given.
+fn with_elements(level: &Level, element: Option<ElementKind>, share: f64) -> Result<Level, StudyError> {
+    let Some(element) = element else { return with_triangles(level, share) };
+    let mut level = level.clone();
+    let divided = |kind: ElementKind| if kind.has_six_nodes() { 4.0 } else { 1.0 };
+    let before = level.bodies.first().map_or(1.0, |body| divided(body.element));
+    level.bodies.iter_mut().for_each(|body| body.element = element);
+    with_triangles(&level, share * before / divided(element))
 }
 
 /// Level with about `share` times as many triangles, as nearly as its meshes allow.

@@ -207,7 +207,7 @@ fn is_strip(body: &Body, rest: &[f64], held: impl Fn(u32) -> bool) -> bool {
     })
 }
 
-/// Static equilibrium from the start by Newton's method, and the counts of the solver. Walls are ignored.
+/// Static equilibrium from the start by Newton's method, under loads that act in full, and the counts of the solver. Walls are ignored.
 ///
 /// Each round solves `f(x) = w m (x - x_before)` from the result of the previous round. w falls from a stiff value,
 /// which is a long implicit step, to zero. Large deflections are thus reached without a jump to another equilibrium.
@@ -245,6 +245,8 @@ struct Balance<'a> {
     scratch: Vec<f64>,
     /// w [1/s²].
     holding: f64,
+    /// Time at which forces act \[s\].
+    time: f64,
     inverse_weight: Vec<f64>,
 }
 
@@ -257,6 +259,7 @@ impl<'a> Balance<'a> {
             still: vec![0.0; from.len()],
             scratch: vec![0.0; scene.scratch()],
             holding,
+            time: scene.effects.iter().map(|effect| effect.ramp()).fold(0.0, f64::max),
             inverse_weight: scene.inverse_mass.iter().map(|inverse_mass| inverse_mass / weight).collect(),
         }
     }
@@ -269,7 +272,8 @@ impl<'a> Balance<'a> {
 
     fn motion(&self) -> Motion<'_> {
         let Scene { dimension, mass, inverse_mass, .. } = self.scene;
-        Motion { dimension: *dimension, x: &self.x, v: &self.still, mass, inverse_mass, ..Motion::NONE }
+        let time = self.time;
+        Motion { dimension: *dimension, x: &self.x, v: &self.still, mass, inverse_mass, time, ..Motion::NONE }
     }
 }
 

@@ -8,6 +8,7 @@ pub mod systems;
 
 use gingerbread::{
     command::{Command, Mode},
+    elements::ElementKind,
     files,
     integrators::IntegratorKind,
     level::{Level, RunMode, Toggle},
@@ -166,6 +167,12 @@ pub fn sheet(model: &str, body: &str, rest: &str) -> Level {
             mesh: Rectangle(width: 0.4, height: 0.4, columns: 4, rows: 4, diagonals: Alternating, corner: (0.3, 0.3)),
             material: (model: {model}, young: 100, poisson: 0.3, plane: Strain), mass: Density(1), {body})], {rest})"
     ))
+}
+
+/// The sheet of each model with each kind of element, with more fields of the body, and what it is.
+pub fn sheets(body: &str) -> impl Iterator<Item = (String, Level)> {
+    let all = models().flat_map(|model| ElementKind::ALL.map(|kind| (model, kind)));
+    all.map(move |(model, kind)| (format!("{model} {kind:?}"), sheet(model, &format!("{body}element: {kind:?}"), "")))
 }
 
 /// A small sheet that is let go from a smooth stretch.

@@ -29,6 +29,7 @@ A level is a [RON](https://github.com/ron-rs/ron) file. Lengths are in metres, a
 const DECLARED: &[(&str, &str, &str)] = &[
     ("struct Level", "level.rs", "Level"),
     ("struct BodyLevel", "level.rs", "Body"),
+    ("enum ElementKind", "elements/kind.rs", "Element of a body"),
     ("struct Place", "level.rs", "Place of a body"),
     ("enum MassLevel", "level.rs", "Mass of a body"),
     ("enum StartShape", "level.rs", "Start shape of a body"),
@@ -378,7 +379,7 @@ fn integrators(page: &mut String) {
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
-    let bodies = "Level RunMode SubstepMode Toggle BodyLevel Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
+    let bodies = "Level RunMode SubstepMode Toggle BodyLevel ElementKind Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
     let actions = "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd Check CheckPlace";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);

@@ -4,7 +4,7 @@
 use crate::common::{Random, assert_balanced, level, norm, sheet, started};
 use gingerbread::{
     effects::{Effect, Motion},
-    elements::Springs,
+    elements::{ElementKind, Springs},
     files,
     level::{Level, RunMode},
     materials::{MaterialParameters, Model, Plane},
@@ -66,9 +66,10 @@ fn step(random: &mut Random, rest: &[f64], size: f64) -> Step {
 #[test]
 fn mean_forces_do_the_work_of_the_energy() {
     let mut random = Random(3);
-    for model in Model::ALL {
+    for (model, kind) in Model::ALL.iter().flat_map(|model| ElementKind::ALL.map(|kind| (model, kind))) {
         for plane in [Plane::Strain, Plane::Stress] {
-            let mut level = sheet(model.name(), "", "effects: [(effect: Compression(strength: 2))]");
+            let element = format!("element: {kind:?}");
+            let mut level = sheet(model.name(), &element, "effects: [(effect: Compression(strength: 2))]");
             let material = level.bodies[0].material;
             level.bodies[0].material =
                 MaterialParameters::new(*model, material.young(), material.poisson(), plane).unwrap();
@@ -80,7 +81,7 @@ fn mean_forces_do_the_work_of_the_energy() {
                     one.velocity.iter_mut().zip(turned).for_each(|(v, turned)| *v += turned);
                 }
                 for effect in &scene.effects {
-                    let what = format!("{} {} {plane:?} {size}", effect.name(), model.name());
+                    let what = format!("{} {} {kind:?} {plane:?} {size}", effect.name(), model.name());
                     one.assert_conserves(&**effect, 2, &what);
                 }
             }

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, reason = "a failing test should panic")]
 
 use crate::common::{
-    Random, assert_balanced, assert_minus_derivative, difference_error, level, models, norm, rotation, sheet,
+    Random, assert_balanced, assert_minus_derivative, difference_error, level, models, norm, rotation, sheet, sheets,
     simulation,
 };
 use gingerbread::{
     effects::{Effect, EffectKind, Motion},
-    elements::{Elements, Triangles},
+    elements::{ElementKind, Elements, Triangles},
     scene::Scene,
     simulation::Simulation,
 };
@@ -40,19 +40,19 @@ fn mapped(x: &[f64], a: Matrix2<f64>, b: Vector2<f64>) -> Vec<f64> {
 
 #[test]
 fn force_is_minus_the_derivative_of_energy() {
-    for model in models() {
-        let simulation = simulation(&sheet(model, "", ""));
+    for (what, level) in sheets("") {
+        let simulation = simulation(&level);
         let body = elements(&simulation);
         let x = shaken(&simulation.scene().rest, 0.015, 1);
         let force = forces(body, &x);
-        assert_minus_derivative(&x, &force, |x| body.elastic_energy(x), model);
+        assert_minus_derivative(&x, &force, |x| body.elastic_energy(x), &what);
     }
 }
 
 #[test]
 fn stiffness_times_a_displacement_is_the_change_of_force() {
-    for model in models() {
-        let simulation = simulation(&sheet(model, "", ""));
+    for (what, level) in sheets("") {
+        let simulation = simulation(&level);
         let body = elements(&simulation);
         let x = shaken(&simulation.scene().rest, 0.015, 1);
         let d = shaken(&vec![0.0; x.len()], 1.0, 2);
@@ -60,34 +60,35 @@ fn stiffness_times_a_displacement_is_the_change_of_force() {
         let motion = Motion { dimension: 2, x: &x, v: &d, mass: &d, inverse_mass: &d, ..Motion::NONE };
         body.stiffness_times(motion, &d, &mut vec![0.0; body.scratch()], &mut product);
         let best = difference_error(&x, &d, &product, |x| forces(body, x));
-        assert!(best < 1e-8, "{model}: {best:e}");
+        assert!(best < 1e-8, "{what}: {best:e}");
     }
 }
 
 #[test]
 fn elastic_forces_have_no_sum_and_no_torque() {
-    for model in models() {
-        let simulation = simulation(&sheet(model, "", ""));
+    for (what, level) in sheets("") {
+        let simulation = simulation(&level);
         let x = shaken(&simulation.scene().rest, 0.015, 3);
         let force = forces(elements(&simulation), &x);
-        assert_balanced(&x, &force, model);
+        assert_balanced(&x, &force, &what);
     }
 }
 
 /// The patch test: where the whole mesh deforms alike, no vertex inside feels a force.
 #[test]
 fn an_affine_deformation_leaves_the_inside_without_force() {
-    let text = "(name: \"\", bodies: [(name: \"man\", mesh: Gingerbread(resolution: 500), mass: Total(1),
+    let text =
+        "(name: \"\", bodies: [(name: \"man\", mesh: Gingerbread(resolution: 500), mass: Total(1), element: KIND,
         material: (model: MODEL, young: 1, poisson: 0.3))])";
-    for model in models() {
-        let simulation = simulation(&level(&text.replace("MODEL", model)));
+    for (model, kind) in models().flat_map(|model| ElementKind::ALL.map(|kind| (model, kind))) {
+        let simulation = simulation(&level(&text.replace("MODEL", model).replace("KIND", &format!("{kind:?}"))));
         let body = &simulation.scene().bodies[0];
         let bent = Matrix2::new(1.3, 0.4, -0.2, 0.8);
         let force = forces(&body.elements, &mapped(&simulation.scene().rest, bent, Vector2::new(0.3, -2.0)));
         let edge: Vec<u32> = body.mesh.boundary_edges().into_iter().flatten().collect();
         let inside = (0..body.vertices.len()).filter(|vertex| !edge.contains(&(*vertex as u32)));
         let greatest = inside.map(|i| force[2 * i].hypot(force[2 * i + 1])).fold(0.0, f64::max);
-        assert!(greatest < 1e-12 && norm(&force) > 1e-3, "{model}: {greatest:e}");
+        assert!(greatest < 1e-12 && norm(&force) > 1e-3, "{model} {kind:?}: {greatest:e}");
     }
 }
 
@@ -113,10 +114,10 @@ fn the_order_of_a_triangles_corners_does_not_matter() {
 
 #[test]
 fn a_turned_scene_moves_as_the_scene_turned() {
-    for model in models() {
-        for degrees in [30.0, 90.0, 200.0] {
-            let placed = format!("place: (turn: {degrees}), stretch: (1, 1)");
-            let (mut plain, mut turned) = (simulation(&sheet(model, "", "")), simulation(&sheet(model, &placed, "")));
+    for degrees in [30.0, 90.0, 200.0] {
+        let placed = format!("place: (turn: {degrees}), stretch: (1, 1), ");
+        for ((what, plain), (_, placed)) in sheets("").zip(sheets(&placed)) {
+            let (mut plain, mut turned) = (simulation(&plain), simulation(&placed));
             let q = rotation(f64::to_radians(degrees));
             let mut state = plain.state().clone();
             state.x = mapped(&state.x, Matrix2::new(1.2, 0.1, 0.0, 0.9), Vector2::zeros());
@@ -128,7 +129,7 @@ fn a_turned_scene_moves_as_the_scene_turned() {
             turned.advance(300, &mut || true);
             let expected = mapped(&plain.state().x, q, Vector2::zeros());
             let gap: Vec<_> = expected.iter().zip(&turned.state().x).map(|(a, b)| a - b).collect();
-            assert!(norm(&gap) < 1e-11, "{model} {degrees}: {:e}", norm(&gap));
+            assert!(norm(&gap) < 1e-11, "{what} {degrees}: {:e}", norm(&gap));
         }
     }
 }
@@ -197,37 +198,41 @@ fn damping_force(mass: f64, stiffness: f64, x: &[f64], v: &[f64], simulation: &S
 /// The body is under stress.
 #[test]
 fn stiffness_damping_does_not_damp_a_rigid_motion() {
-    let simulation = simulation(&sheet("NeoHookean", "", ""));
-    let x = mapped(&simulation.scene().rest, Matrix2::new(1.4, 0.2, 0.0, 0.7), Vector2::zeros());
-    let spinning: Vec<_> = x.chunks_exact(2).flat_map(|p| [2.0 - 5.0 * p[1], 1.0 + 5.0 * p[0]]).collect();
-    let force = damping_force(0.0, 0.01, &x, &spinning, &simulation);
-    assert!(norm(&force) < 1e-13, "{:e}", norm(&force));
-    let shaking = shaken(&vec![0.0; x.len()], 1.0, 6);
-    let force = damping_force(0.0, 0.01, &x, &shaking, &simulation);
-    let power: f64 = force.iter().zip(&shaking).map(|(f, v)| f * v).sum();
-    assert!(power < -1e-3, "damping must take power, takes {power}");
+    for kind in ElementKind::ALL {
+        let simulation = simulation(&sheet("NeoHookean", &format!("element: {kind:?}"), ""));
+        let x = mapped(&simulation.scene().rest, Matrix2::new(1.4, 0.2, 0.0, 0.7), Vector2::zeros());
+        let spinning: Vec<_> = x.chunks_exact(2).flat_map(|p| [2.0 - 5.0 * p[1], 1.0 + 5.0 * p[0]]).collect();
+        let force = damping_force(0.0, 0.01, &x, &spinning, &simulation);
+        assert!(norm(&force) < 1e-13, "{:e}", norm(&force));
+        let shaking = shaken(&vec![0.0; x.len()], 1.0, 6);
+        let force = damping_force(0.0, 0.01, &x, &shaking, &simulation);
+        let power: f64 = force.iter().zip(&shaking).map(|(f, v)| f * v).sum();
+        assert!(power < -1e-3, "damping must take power, takes {power}");
+    }
 }
 
 #[test]
 fn at_rest_damping_is_rayleighs() {
-    let simulation = simulation(&sheet("StVenantKirchhoff", "", ""));
-    let scene = simulation.scene();
-    let v = shaken(&vec![0.0; scene.rest.len()], 1.0, 7);
-    let force = damping_force(3.0, 0.02, &scene.rest, &v, &simulation);
-    let mut expected = vec![0.0; v.len()];
-    let motion = Motion {
-        dimension: 2,
-        x: &scene.rest,
-        v: &v,
-        mass: &scene.mass,
-        inverse_mass: &scene.inverse_mass,
-        ..Motion::NONE
-    };
-    let body = elements(&simulation);
-    body.stiffness_times(motion, &v, &mut vec![0.0; body.scratch()], &mut expected);
-    for ((expected, mass), v) in expected.iter_mut().zip(&scene.mass).zip(&v) {
-        *expected = -0.02 * *expected - 3.0 * mass * v;
+    for kind in ElementKind::ALL {
+        let simulation = simulation(&sheet("StVenantKirchhoff", &format!("element: {kind:?}"), ""));
+        let scene = simulation.scene();
+        let v = shaken(&vec![0.0; scene.rest.len()], 1.0, 7);
+        let force = damping_force(3.0, 0.02, &scene.rest, &v, &simulation);
+        let mut expected = vec![0.0; v.len()];
+        let motion = Motion {
+            dimension: 2,
+            x: &scene.rest,
+            v: &v,
+            mass: &scene.mass,
+            inverse_mass: &scene.inverse_mass,
+            ..Motion::NONE
+        };
+        let body = elements(&simulation);
+        body.stiffness_times(motion, &v, &mut vec![0.0; body.scratch()], &mut expected);
+        for ((expected, mass), v) in expected.iter_mut().zip(&scene.mass).zip(&v) {
+            *expected = -0.02 * *expected - 3.0 * mass * v;
+        }
+        let gap: Vec<_> = force.iter().zip(&expected).map(|(a, b)| a - b).collect();
+        assert!(norm(&gap) < 1e-13 * norm(&expected), "{kind:?}");
     }
-    let gap: Vec<_> = force.iter().zip(&expected).map(|(a, b)| a - b).collect();
-    assert!(norm(&gap) < 1e-13 * norm(&expected));
 }

@@ -16,4 +16,5 @@ mod numbering;
 mod partitions;
 mod reference;
 mod simd;
+mod six_nodes;
 mod springs;

@@ -36,7 +36,7 @@ fn mesh_errors_have_the_order_of_linear_triangles() {
         let errors: Vec<_> = study.points().map(|point| study.error_of(point).unwrap()).collect();
         let points: Vec<_> = study.points().collect();
         assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "{measure:?}: {errors:?} {points:?}");
-        let order = study.order().unwrap();
+        let order = study.order(None).unwrap();
         assert!((1.0..2.3).contains(&order), "{measure:?}: order {order}");
         let own = study.reference().unwrap().unwrap().own_error;
         assert!(own < 0.02, "{measure:?}: {own}");
@@ -46,7 +46,13 @@ fn mesh_errors_have_the_order_of_linear_triangles() {
 
 #[test]
 fn meshes_that_never_rest_are_compared_at_a_final_time() {
-    let plan = |moment| MeshPlan { moment, measure: Measure::ElasticEnergy, triangles: vec![24, 96, 384], threads: 1 };
+    let plan = |moment| MeshPlan {
+        moment,
+        measure: Measure::ElasticEnergy,
+        triangles: vec![24, 96, 384],
+        elements: Vec::new(),
+        threads: 1,
+    };
     let refused = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtRest)).err().unwrap().to_string();
     assert!(refused.contains("does not hold"), "{refused}");
     let mut study = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtTheEnd)).unwrap();
@@ -89,10 +95,10 @@ fn meshes_that_lock_have_no_reference_and_no_errors() {
     let mut study = MeshStudy::new(&bar_of(16, 2, "Grid", 0.4999), &NoFiles, 1.0, plan).unwrap();
     while !study.advance(WHOLE).finished {}
     let refused = study.reference().unwrap().err().unwrap();
-    let NoMeshReference::NotShrinking { order, finest, last } = refused else { unreachable!("{refused:?}") };
+    let NoMeshReference::NotShrinking { order, finest, last, .. } = refused else { unreachable!("{refused:?}") };
     assert!(order.unwrap() < 0.5 && last > 0.1 && Some(finest) == study.points().last().unwrap().value);
     assert!(study.points().all(|point| point.value.is_some() && study.error_of(point).is_none()));
-    assert_eq!(study.order(), Err(NoOrder::NoReference));
+    assert_eq!(study.order(None), Err(NoOrder::NoReference));
     let csv = study.csv(&[]);
     let told = "# reference: No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5";
     assert!(csv.contains(told) && csv.contains("# measured_order: not measurable here: no reference"), "{csv}");
@@ -261,7 +267,7 @@ fn a_mesh_study_says_in_words_where_it_has_nothing_to_say() {
         let plan = MeshPlan { moment, triangles: vec![12, 48, 96], threads: 1, ..MeshPlan::default() };
         let mut study = MeshStudy::new(level, &NoFiles, 0.05, plan).unwrap();
         while !study.advance(WHOLE).finished {}
-        assert!(study.order().is_err() && study.points().all(|point| study.error_of(point).is_none()));
+        assert!(study.order(None).is_err() && study.points().all(|point| study.error_of(point).is_none()));
         study.reference().unwrap().err().unwrap().to_string()
     };
     assert!(refused(&level(RESTING), MeshMoment::AtTheEnd).contains("Nothing moves"));

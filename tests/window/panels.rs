@@ -367,6 +367,31 @@ fn pins_are_chosen_from_a_menu() {
     }
 }
 
+/// Each kind of elements starts over with the same mesh, divided or not, and the same edge pinned; undo brings the old kind back.
+#[test]
+fn the_kind_of_elements_is_chosen_from_a_menu() {
+    let mut window = open("cantilever");
+    let before = window.state().snapshot().triangles.len();
+    let pinned_now = |window: &Window| window.state().snapshot().pins.len();
+    let pins = pinned_now(&window);
+    for (kind, times, pinned) in [
+        ("Mean dilatation", 4, 2 * pins - 1),
+        ("Quadratic", 4, 2 * pins - 1),
+        ("Linear", 1, pins),
+        ("Quadratic", 4, 2 * pins - 1),
+    ] {
+        widget(&window, Role::ComboBox, "Element").click();
+        window.run_steps(3);
+        click(&mut window, kind);
+        window.run_steps(3);
+        let snapshot = window.state().snapshot();
+        assert_eq!(snapshot.level.bodies[0].element.title(), kind);
+        assert_eq!((snapshot.triangles.len(), pinned_now(&window)), (times * before, pinned), "{kind}");
+    }
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!((window.state().snapshot().triangles.len(), pinned_now(&window)), (before, pins));
+}
+
 /// Membranes have the colours of bodies.
 #[test]
 fn cloth_is_coloured_by_its_stress() {

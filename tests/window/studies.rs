@@ -128,7 +128,9 @@ fn the_mesh_study_tells_how_much_triangles_lock() {
     measure(&mut window, "Mesh study");
     draw(&window);
     assert!(window.query_by_label_contains("at ν = 0.4999 the tip moves").is_some());
-    assert!(window.query_by_label_contains("Error falls like h^1.").is_some());
+    assert!(window.query_by_label_contains("The error falls like: linear h^1.").is_some());
+    // Each other kind is compared with the finest mesh of linear triangles.
+    assert!(window.query_all_by_label_contains("triangles is at least as exact as linear with").count() == 2);
     has_head(
         &table(&mut window, "Meshes as CSV"),
         &["# reference: ", "# reference_error_estimate: ", "# locking_at_nu_0.4999: "],

@@ -24,7 +24,7 @@ const SIGNS: [Color32; 2] = [Color32::from_rgb(0xc0, 0x30, 0x28), Color32::from_
 pub fn draw(buffer: &mut ShapeBuffer, view: View, arrows: &Arrows, seen: impl Fn([f64; 3]) -> Pos2) {
     // All light edges come first, so that they cover no other arrow.
     for with_edge in [true, false] {
-        for Arrow { at, along, tension } in arrows.all() {
+        for Arrow { at, along, tension } in arrows.loads().iter().chain(arrows.all()) {
             let end = |sign: f64| seen(std::array::from_fn(|axis| at[axis] + sign * along[axis]));
             let (from, to) = (if tension.is_some() { end(-1.0) } else { seen(*at) }, end(1.0));
             if from.distance(to) < SHORTEST || !from.is_finite() || !to.is_finite() {

@@ -2,6 +2,7 @@
 
 use super::Task;
 use crate::{
+    elements::ElementKind,
     files::Disk,
     hard::{self, COLUMNS, Case, Entry, Method, Sweep, row},
     integrators::IntegratorKind,
@@ -151,12 +152,14 @@ pub struct MeshFindings {
     pub measure: Measure,
     /// Time at which the measure is taken.
     pub moment: MeshMoment,
-    /// Meshes from coarse to fine.
+    /// Meshes, one kind of elements after the other, each from coarse to fine.
     pub meshes: Vec<Mesh>,
     /// Reference of the values, or the reason why there is none.
     pub reference: Option<Result<MeshReference, NoMeshReference>>,
-    /// Order of the error in the size of the triangles, or the reason why it cannot be measured.
-    pub order: Option<MeasuredOrder>,
+    /// Order of the error in the size of the triangles for each kind of elements, or the reason why it cannot be measured.
+    pub orders: Vec<(ElementKind, MeasuredOrder)>,
+    /// Which meshes are as exact as the finest of linear triangles, and what they cost; a sentence for each kind.
+    pub as_exact: Vec<String>,
     /// Locking of the level's mesh.
     pub locking: Vec<LockingNumber>,
     /// The table as comma-separated values.
@@ -165,7 +168,8 @@ pub struct MeshFindings {
 
 /// Prepares a mesh study of a level: at rest if pins hold it, else after [`SECONDS`].
 pub fn meshes(level: &Level, measure: Measure) -> Result<Meshes, StudyError> {
-    let plan = |moment| MeshPlan { measure, moment, threads: threads(), ..MeshPlan::default() };
+    let elements = ElementKind::ALL.to_vec();
+    let plan = |moment| MeshPlan { measure, moment, elements, threads: threads(), ..MeshPlan::default() };
     let trial = Trial::new(level, &Disk, SECONDS)?;
     let moment = if trial.scene.pins.len() < 2 { MeshMoment::AtTheEnd } else { MeshMoment::AtRest };
     let study = MeshStudy::new(level, &Disk, SECONDS, plan(moment))?;
@@ -204,7 +208,11 @@ impl Task for Meshes {
             moment: study.plan().moment,
             meshes: study.points().map(mesh).collect(),
             reference: study.reference(),
-            order: study.reference().map(|_| study.order()),
+            orders: study.reference().map_or_else(Vec::new, |_| {
+                let kinds = study.elements().into_iter().flatten();
+                kinds.map(|kind| (kind, study.order(Some(kind)))).collect()
+            }),
+            as_exact: study.as_exact_in_words(),
             csv: study.csv(&locking),
             locking,
         }

@@ -7,6 +7,7 @@ use super::{
 use crate::{
     app::files::stem,
     command::{Command, Pose},
+    elements::ElementKind,
     level::{MassLevel, MembraneLevel, NetLevel, Pin},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
@@ -46,6 +47,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let coming =
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
+            element(ui, number, body.element, commands);
             pins(ui, view.body, &body.pins, commands);
             if others && level.test.is_none() && ui.button("Remove this body").clicked() {
                 commands.push(Command::RemoveBody(number));
@@ -241,6 +243,23 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
         sum.refused = outcome.refused.or(sum.refused.take());
     }
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
+}
+
+/// Draws a menu of the kinds of elements of a body (by number).
+fn element(ui: &mut Ui, body: usize, now: ElementKind, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.label("Element");
+        let menu = ComboBox::from_id_salt("element").width(ui.available_width()).selected_text(now.title());
+        let response = menu.show_ui(ui, |ui| {
+            for kind in ElementKind::ALL {
+                if ui.selectable_label(kind == now, kind.title()).on_hover_text(kind.about()).clicked() {
+                    commands.extend([Command::SetElement(body, kind), Command::EndGesture]);
+                }
+            }
+        });
+        let help = format!("{}\nAnother kind starts over.", now.about());
+        response.response.on_hover_text(help).accessible_name("Element");
+    });
 }
 
 /// Converts a mass \[kg\] or a density to one of the three ways of giving it, by number, for an area \[m²\].

@@ -14,9 +14,10 @@ use crate::{
         theme::Theme,
     },
     command::Command,
+    elements::ElementKind,
     study::{
-        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeshMoment, MeshReference, Outcome, Point, Price,
-        Status, price_in_words,
+        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeasuredOrder, MeshMoment, MeshReference, Outcome,
+        Point, Price, Status, price_in_words,
     },
 };
 use eframe::egui::{Align2, Color32, ComboBox, Grid, RichText, TextStyle, Ui, pos2};
@@ -284,14 +285,17 @@ fn about_meshes(study: &MeshFindings) -> String {
 
 /// Draws the order of the error, and the locking of the triangles.
 fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
-    match study.order {
-        Some(Ok(order)) => {
-            let finer = 2_f64.powf(order);
-            ui.label(format!("Error falls like h^{order:.2}: triangles of half the size are {finer:.1} times better."))
-                .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
-        }
-        Some(Err(reason)) => drop(ui.label(format!("Order of the error: not measurable here: {reason}."))),
-        None => {}
+    let known = |(kind, order): &(ElementKind, MeasuredOrder)| Some((*kind, order.as_ref().ok().copied()?));
+    let orders: Vec<_> = study.orders.iter().filter_map(known).collect();
+    if !orders.is_empty() {
+        let each = orders.iter().map(|(kind, order)| format!("{} h^{order:.2}", kind.title().to_lowercase()));
+        ui.label(format!("The error falls like: {}.", each.collect::<Vec<_>>().join(", ")))
+            .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
+    } else if let Some((_, Err(reason))) = study.orders.first() {
+        ui.label(format!("Order of the error: not measurable here: {reason}."));
+    }
+    for sentence in &study.as_exact {
+        ui.label(sentence);
     }
     let locks = |number: &LockingNumber| {
         let at_most = if number.is_bound() { "at most " } else { "" };
@@ -309,7 +313,8 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
             let [own, better] = number.meshes;
             format!(" Own mesh: {own}; compared with: {better}.")
         });
-        let text = format!("Locking: {}.{meshes}", numbers.join("; "));
+        let remedy = if tight { " Elements of mean dilatation, or quadratic ones, do not lock." } else { "" };
+        let text = format!("Locking: {}.{meshes}{remedy}", numbers.join("; "));
         ui.label(RichText::new(text).color(color)).on_hover_text(help);
     }
 }
@@ -317,13 +322,14 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
 /// Draws the values so far, as long as the errors are unknown.
 fn mesh_table(ui: &mut Ui, study: &MeshFindings) {
     ui.set_min_width(ui.available_width());
-    Grid::new("meshes").num_columns(3).spacing([28.0, 4.0]).show(ui, |ui| {
-        for title in ["Triangles", study.measure.title(), "time"] {
+    Grid::new("meshes").num_columns(4).spacing([28.0, 4.0]).show(ui, |ui| {
+        for title in ["Element", "Triangles", study.measure.title(), "time"] {
             ui.label(RichText::new(title).small().weak());
         }
         ui.end_row();
         for mesh in &study.meshes {
             let point = &mesh.point;
+            ui.label(point.element.map_or("", ElementKind::title));
             ui.monospace(count(point.triangles));
             match (point.value, point.status) {
                 (Some(value), _) => ui.monospace(numbers::si_fixed(value, study.measure.unit())),
@@ -344,7 +350,12 @@ fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
     let unit = format!("{MILLISECONDS} {what}");
     let (left, right) =
         known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), (_, [x, _])| (l.min(*x), r.max(*x)));
-    let color = theme.series[0];
+    let color = |kind: Option<ElementKind>| {
+        let place = ElementKind::ALL.iter().position(|other| Some(*other) == kind).unwrap_or(0);
+        theme.series[place % theme.series.len()]
+    };
+    let mut kinds: Vec<_> = known.iter().map(|(mesh, _)| mesh.point.element).collect();
+    kinds.dedup();
     let shown = plotting::log_log("meshes", theme)
         .x_axis_label(unit)
         .y_axis_label(format!("relative error of the {}", study.measure.title()))
@@ -354,21 +365,31 @@ fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
             HoverPosition::Elsewhere { .. } => None,
         })
         .show(ui, |plot| {
-            let line: Vec<_> = known.iter().map(|(_, at)| *at).collect();
-            plot.line(Line::new("error", line).color(color).width(1.6).allow_hover(false));
+            for kind in kinds {
+                let own = known.iter().filter(|(mesh, _)| mesh.point.element == kind);
+                let line: Vec<_> = own.map(|(_, at)| *at).collect();
+                let name = kind.map_or("error", ElementKind::title);
+                plot.line(Line::new(name, line).color(color(kind)).width(1.6).allow_hover(false));
+            }
             for (mesh, at) in &known {
                 let radius = if mesh.current { 7.0 } else { 3.5 };
                 let points = Points::new(mesh_story(study, mesh), vec![*at]).shape(MarkerShape::Circle).radius(radius);
                 // The reference is extrapolated beyond the finest mesh. An error not above that of the reference is only an estimate.
                 let own = study.reference.and_then(Result::ok).map(|reference| reference.own_error);
                 let estimate = mesh.error.zip(own).is_some_and(|(error, own)| error <= own);
-                plot.points(points.color(color).filled(!estimate));
+                plot.points(points.color(color(mesh.point.element)).filled(!estimate));
             }
         });
     let screen = |[x, y]: [f64; 2]| shown.transform.position_from_point(&PlotPoint::new(x, y));
     let label = |(mesh, at): &(&Mesh, [f64; 2])| {
         let now = if mesh.current { " triangles, now" } else { "" };
-        Label { at: screen(*at), text: count(mesh.point.triangles) + now, color: theme.text }
+        // The last point of a line names it.
+        let element = mesh.point.element;
+        let last = known.iter().rfind(|(other, _)| other.point.element == element);
+        let is_last = last.is_some_and(|(other, _)| std::ptr::eq(*other, *mesh));
+        let name = element.filter(|_| is_last).map_or_else(String::new, |kind| format!("{}, ", kind.title()));
+        let color = if is_last { color(element) } else { theme.text };
+        Label { at: screen(*at), text: name + &count(mesh.point.triangles) + now, color }
     };
     let labels: Vec<_> = known.iter().map(label).collect();
     write_labels(ui, *shown.transform.frame(), &labels);
@@ -388,8 +409,9 @@ fn mesh_story(study: &MeshFindings, mesh: &Mesh) -> String {
     let size = numbers::si(point.size, "m");
     let (title, time) = (study.measure.title(), numbers::si(1e-3 * point.ms, "s"));
     let runs = point.runs;
+    let kind = point.element.map_or("", ElementKind::title);
     format!(
-        "{triangles} triangles of {size}, {vertices} vertices\n{title} {value}, error {error}\n{time}, least of {runs}"
+        "{kind}: {triangles} triangles of {size}, {vertices} vertices\n{title} {value}, error {error}\n{time}, least of {runs}"
     )
 }
 

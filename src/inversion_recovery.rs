@@ -201,7 +201,9 @@ fn spread(scene: &Scene, body: &Body, state: &mut State) {
     let count = scene.rest.len();
     let mut matrix = {
         let mut pattern = Vec::new();
-        body.elements.add_sparsity(&mut |a, b| pattern.push([a, b]));
+        for &[a, b, c] in body.elements.corners() {
+            pattern.extend([[a, b], [a, c], [b, c]]);
+        }
         BlockMatrix::new(count / 2, &pattern)
     };
     // The second derivative of A |F - R|² / 2, which is constant.

@@ -58,7 +58,7 @@ impl Meshing {
     /// Takes a request for another mesh of a body if its generation takes long. A small mesh cancels an earlier request.
     pub fn takes(&mut self, pane: Pane, body: usize, mesh: &MeshKind, before: &BodyLevel) -> bool {
         let large = cfg!(not(target_arch = "wasm32"))
-            && triangles(mesh) > LARGE
+            && triangles(mesh) * if before.element.has_six_nodes() { 4.0 } else { 1.0 } > LARGE
             && mesh.clone().kind_mut().path_mut().is_none();
         if !large || before.mesh == *mesh {
             self.wanted = None;

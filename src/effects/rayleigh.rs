@@ -201,8 +201,8 @@ impl Effect for Damping {
         }
     }
 
-    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, for springs and membranes
-    /// none.
+    /// The part for v is exact. The part for x is not symmetric: for triangles its symmetric part is taken, without that of the mean of tr(E') for
+    /// elements of mean dilatation; for springs and membranes none.
     fn add_stiffness(&self, motion: Motion<'_>, weights: Weights, matrix: &mut dyn SparseMatrix) {
         matrix.add_to_diagonal(&|number| weights.velocity * self.alpha * motion.mass[number]);
         // The derivative of damping by x may be indefinite; that by v is not.

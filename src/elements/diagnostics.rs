@@ -24,7 +24,7 @@ pub struct Diagnostics {
     pub energy: f64,
     /// Least det F; infinite if there are none.
     pub least: f64,
-    /// Number of triangles with det F <= 0.
+    /// Number of triangles with det F <= 0 at their centroids. For quadratic elements that is not quite what is drawn.
     pub inverted: usize,
     /// Number of triangles in the continued range of the model's formula.
     pub continued: usize,

@@ -12,9 +12,10 @@ pub enum ElementKind {
     /// Linear in each triangle, so that F is constant there.
     #[default]
     Linear,
-    /// Linear in each of the four triangles, and the energy of the change of volume by its mean over them.
+    /// Each triangle is divided into four, and displacements are linear in each of them. The energy that resists changes of volume is that of the mean
+    /// change over the four.
     MeanDilatation,
-    /// Quadratic in each triangle of six nodes.
+    /// Quadratic in each triangle, which has six nodes. It is divided into four for all but its elasticity.
     Quadratic,
 }
 
@@ -38,10 +39,10 @@ impl ElementKind {
                 "Linear displacements in each triangle. The cheapest; too stiff in bending, and it locks where Poisson's ratio is near 0.5."
             }
             Self::MeanDilatation => {
-                "Each triangle is divided into four, with linear displacements. What resists a change of volume is that of the four together, so that it does not lock where Poisson's ratio is near 0.5."
+                "Each triangle is divided into four, with linear displacements. Only the mean change of volume of the four is resisted as such, so that they do not lock where Poisson's ratio is near 0.5."
             }
             Self::Quadratic => {
-                "Each triangle has nodes in the middle of its sides too, and quadratic displacements: exact in bending, and of a higher order."
+                "Each triangle has nodes in the middle of its sides too, and quadratic displacements: exact in bending. Errors shrink faster on finer meshes; under distributed loads as those of the others, but from a smaller one."
             }
         }
     }

@@ -36,11 +36,11 @@ use std::{array, ops::Range};
 /// where linear triangles have one each and lock. This is the mean dilatation method (Simo, Taylor and Pister, *Variational and projection methods for
 /// the volume constraint in finite deformation elasto-plasticity*, Computer Methods in Applied Mechanics and Engineering 51, 1985) on patches of
 /// triangles (de Souza Neto, Pires and Owen, *F-bar-based linear triangles and tetrahedra for finite strain analysis of nearly incompressible
-/// solids*, International Journal for Numerical Methods in Engineering 62, 2005). Displacements that are linear in the four triangles with a constant pressure in
-/// the element are a stable pair (Bercovier and Pironneau, *Error estimates for finite element method solution of the Stokes problem in the primitive variables*,
-/// Numerische Mathematik 33, 1979).
+/// solids*, International Journal for Numerical Methods in Engineering 62, 2005). With a constant pressure in the element it is stable: the node in
+/// the middle of a side sets the flux through that side alone (Boffi, Brezzi and Fortin, *Mixed Finite Element Methods and Applications*, Springer
+/// 2013, chapter 8).
 ///
-/// Masses and loads are those of the four triangles in both.
+/// Masses and loads are those of the four triangles in both. Under distributed loads quadratic elements so have order 2, not 3.
 #[derive(Clone, Debug)]
 pub struct SixNodes {
     kind: ElementKind,

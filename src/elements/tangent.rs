@@ -93,8 +93,9 @@ impl Triangles {
         });
     }
 
-    /// Adds blocks for every linear triangle from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
-    /// (4 x 4, entries column by column, symmetric) [Pa or Pa s], times `weight`.
+    /// Adds blocks for every triangle, taken as a linear one, from `tangent`, the derivative of its first Piola-Kirchhoff stress by F or dF/dt
+    /// (4 x 4, entries column by column, symmetric) [Pa or Pa s], times `weight`. The pairs of the matrix are the first corner with the second and the
+    /// third, and these two, triangle by triangle.
     #[inline]
     pub(crate) fn add_tangent(
         &self,

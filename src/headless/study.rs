@@ -238,6 +238,9 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
         let kind = element.map_or(String::new(), |kind| format!(" of {kind:?}"));
         let _ = write!(table, "\nMeasured order{kind}: {}", order_in_words(&study.order(element)));
     }
+    for (kind, why) in study.left_out() {
+        let _ = write!(table, "\n{} is left out: {}", kind.title(), terminal::line(why));
+    }
     for sentence in study.as_exact_in_words() {
         table = table + "\n" + &sentence;
     }

@@ -122,6 +122,14 @@ impl Mesh {
                 points.len() as u32 - 1
             })
         };
+        // In the order of the list, so that their numbers do not depend on the order in memory.
+        let mut listed: Vec<_> = (0..self.triangles.len()).collect();
+        listed.sort_by_key(|triangle| self.numbering.element_name(*triangle));
+        for [a, b, c] in listed.iter().map(|triangle| self.triangles[*triangle]) {
+            for [a, b] in [[a, b], [b, c], [c, a]] {
+                middle(a, b);
+            }
+        }
         let divided = |&[a, b, c]: &[u32; 3]| {
             let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
             [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
@@ -137,7 +145,8 @@ impl Mesh {
         let mut icing = self.icing.clone();
         icing.iter_mut().flat_map(|stroke| &mut stroke.points).for_each(Embedded::refine);
         let messages = self.messages.clone();
-        Ok(Self { icing, messages, numbering, ..Self::new(points, triangles)? })
+        // Near vertices were checked in this mesh.
+        Ok(Self { icing, messages, numbering, ..Self::counted_from((0, 0.0), points, triangles)? })
     }
 
     /// Numbers of vertices and triangles in the original list.

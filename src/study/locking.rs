@@ -1,7 +1,8 @@
-//! Measures volumetric locking of linear triangles.
+//! Measures volumetric locking, which linear triangles are subject to.
 
 use super::{Measure, Progress, StudyError, mesh_study::with_triangles, solutions};
 use crate::{
+    elements::ElementKind,
     level::Level,
     materials::{MaterialParameters, Plane},
     meshes::{Diagonals, Files, MeshKind},
@@ -31,6 +32,8 @@ pub struct MeshKindOf {
     pub triangles: usize,
     /// Diagonals of the cells, if all bodies are rectangles with the same diagonals.
     pub diagonals: Option<Diagonals>,
+    /// Whether a body has linear triangles.
+    pub is_linear: bool,
 }
 
 impl MeshKindOf {
@@ -40,7 +43,9 @@ impl MeshKindOf {
             _ => None,
         });
         let first = cuts.next().flatten();
-        Self { triangles: scene.triangles.len(), diagonals: first.filter(|_| cuts.all(|cut| cut == first)) }
+        let diagonals = first.filter(|_| cuts.all(|cut| cut == first));
+        let is_linear = level.bodies.iter().any(|body| body.element == ElementKind::Linear);
+        Self { triangles: scene.triangles.len(), diagonals, is_linear }
     }
 }
 
@@ -59,7 +64,7 @@ impl LockingNumber {
 
     /// Whether the finer mesh may lock too. The true ratio is then smaller.
     pub fn is_bound(self) -> bool {
-        self.meshes[1].diagonals != Some(Diagonals::Crossed)
+        self.meshes[1].is_linear && self.meshes[1].diagonals != Some(Diagonals::Crossed)
     }
 
     /// Locking number and its meshes in plain words.

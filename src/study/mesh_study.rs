@@ -106,6 +106,9 @@ pub struct MeshStudy {
     plan: MeshPlan,
     /// Stability limit of the trial's own mesh [steps per frame].
     limit: f64,
+    /// The kinds of elements, each with a scene whose files are read.
+    kinds: Vec<(Option<ElementKind>, Scene)>,
+    left_out: Vec<(ElementKind, String)>,
     /// One kind of elements after the other, each from coarse to fine.
     slots: Vec<Slot>,
     repetitions: Repetitions,
@@ -126,7 +129,8 @@ pub struct MeshReference {
     pub element: Option<ElementKind>,
 }
 
-/// Orders for which values are extrapolated. Linear triangles have order 2, quadratic ones 3, and 4 in energies; all less near corners.
+/// Orders for which values are extrapolated. Linear triangles have order 2; quadratic ones 3, and 4 in energies, but 2 under distributed loads, which
+/// act on the four triangles that each is divided into; all less near corners.
 const fn orders(kind: ElementKind) -> std::ops::RangeInclusive<f64> {
     match kind {
         ElementKind::Linear | ElementKind::MeanDilatation => 0.5..=2.5,
@@ -192,10 +196,19 @@ impl MeshStudy {
         }
         wanted.sort_unstable();
         let mut slots: Vec<Slot> = Vec::new();
-        let kinds: Vec<_> =
-            if plan.elements.is_empty() { vec![None] } else { plan.elements.iter().copied().map(Some).collect() };
+        let (mut left_out, mut kinds) = (Vec::new(), Vec::new());
+        for element in plan.elements.iter().copied() {
+            let own = with_elements(&level, Some(element), 1.0)?;
+            match Scene::build(&own, own.mode, files, None) {
+                Ok(scene) => kinds.push((Some(element), scene)),
+                Err(why) => left_out.push((element, why.to_string())),
+            }
+        }
+        if plan.elements.is_empty() {
+            kinds.push((None, trial.scene.clone()));
+        }
         for (element, triangles) in
-            kinds.iter().flat_map(|kind| wanted.iter().map(move |triangles| (*kind, *triangles)))
+            kinds.iter().flat_map(|(kind, _)| wanted.iter().map(move |triangles| (*kind, *triangles)))
         {
             let level = with_elements(&level, element, f64::from(triangles) / own)?;
             // Targets that give the same mesh are merged.
@@ -208,7 +221,7 @@ impl MeshStudy {
             }
         }
         let limit = limit(&trial.scene, &trial.start);
-        Ok(Self { trial, plan, limit, slots, repetitions: Repetitions::default(), finished: false })
+        Ok(Self { trial, plan, limit, kinds, left_out, slots, repetitions: Repetitions::default(), finished: false })
     }
 
     /// Trial on the level's own mesh.
@@ -224,10 +237,10 @@ impl MeshStudy {
     /// Works for about `budget`. Building a mesh and solving an equilibrium are not interrupted.
     pub fn advance(&mut self, budget: Duration) -> Progress {
         let deadline = Deadline::after(budget);
-        let Self { trial, plan, limit, slots, .. } = self;
+        let Self { trial, plan, limit, kinds, slots, .. } = self;
         let open = slots.iter_mut().filter(|slot| !matches!(slot.run_state, RunState::Over)).collect();
         spread(plan.threads, open, |slot: &mut Slot| {
-            slot.until(trial, plan, *limit, deadline);
+            slot.until(trial, plan, (*limit, kinds), deadline);
             matches!(slot.run_state, RunState::Over) && !deadline.passed()
         });
         self.repeat(deadline);
@@ -346,8 +359,13 @@ impl MeshStudy {
         Some(((point.value? - reference) / reference).abs())
     }
 
+    /// Kinds of elements that the level cannot have, and why.
+    pub fn left_out(&self) -> &[(ElementKind, String)] {
+        &self.left_out
+    }
+
     /// For each kind of elements but the first: the cheapest mesh that is as exact as the finest one of the first kind, and that one; nothing
-    /// where there is none.
+    /// where there is none, or where the reference is of the first kind and as exact as its finest mesh.
     pub fn as_exact(&self) -> Vec<[&MeshPoint; 2]> {
         let [first, others @ ..] = &*self.elements() else { return Vec::new() };
         let known = |kind: Option<ElementKind>| {
@@ -355,6 +373,9 @@ impl MeshStudy {
             own.filter_map(|point| Some((point, self.error_of(point)?)))
         };
         let Some((finest, error)) = known(*first).last() else { return Vec::new() };
+        if self.reference().and_then(Result::ok).is_none_or(|reference| reference.element == *first) {
+            return Vec::new();
+        }
         let cheapest = |kind: &Option<ElementKind>| {
             let exact = known(*kind).filter(|(_, own)| *own <= error);
             exact.map(|(point, _)| point).min_by(|one, other| one.ms.total_cmp(&other.ms))
@@ -420,9 +441,16 @@ fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
 }
 
 impl Slot {
-    fn until(&mut self, trial: &Trial, plan: &MeshPlan, limit: f64, deadline: Deadline) {
+    fn until(
+        &mut self,
+        trial: &Trial,
+        plan: &MeshPlan,
+        (limit, kinds): (f64, &[(Option<ElementKind>, Scene)]),
+        deadline: Deadline,
+    ) {
         if matches!(self.run_state, RunState::Waiting) {
-            self.run_state = self.begin(trial, plan, limit);
+            let known = kinds.iter().find(|(kind, _)| *kind == self.point.element);
+            self.run_state = self.begin(trial, plan, (limit, known.map(|(_, scene)| scene)));
         }
         let RunState::Marching(march) = &mut self.run_state else { return };
         if march.advance(deadline, &mut |_, _| ControlFlow::Continue(())) {
@@ -441,9 +469,9 @@ impl Slot {
     }
 
     /// Builds the mesh. Then solves the equilibrium, or prepares a march.
-    fn begin(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64) -> RunState {
-        // Files were read for the trial's own scene. Parts that cannot be refined are taken from it.
-        let built = Scene::build(&self.level, self.level.mode, &NoFiles, Some(&trial.scene));
+    fn begin(&mut self, trial: &Trial, plan: &MeshPlan, (own_limit, known): (f64, Option<&Scene>)) -> RunState {
+        // Files were read for the scene of each kind. Parts that cannot be refined are taken from it.
+        let built = Scene::build(&self.level, self.level.mode, &NoFiles, known);
         let Ok(scene) = built else {
             self.point.status = Status::Unconverged;
             return RunState::Over;
@@ -553,17 +581,22 @@ fn with_elements(level: &Level, element: Option<ElementKind>, share: f64) -> Res
     let Some(element) = element else { return with_triangles(level, share) };
     let mut level = level.clone();
     let divided = |kind: ElementKind| if kind.has_six_nodes() { 4.0 } else { 1.0 };
-    let before = level.bodies.first().map_or(1.0, |body| divided(body.element));
+    let shares: Vec<_> = level.bodies.iter().map(|body| share * divided(body.element) / divided(element)).collect();
     level.bodies.iter_mut().for_each(|body| body.element = element);
-    with_triangles(&level, share * before / divided(element))
+    with_shares(&level, &shares)
 }
 
 /// Level with about `share` times as many triangles, as nearly as its meshes allow.
 /// Numbers of triangles are scaled by `share`, numbers of cells and rings by its square root.
 pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
+    with_shares(level, &vec![share; level.bodies.len()])
+}
+
+/// The same with a share for each body.
+fn with_shares(level: &Level, shares: &[f64]) -> Result<Level, StudyError> {
     let mut level = level.clone();
     let mut refined = false;
-    for body in &mut level.bodies {
+    for (body, &share) in level.bodies.iter_mut().zip(shares) {
         let mut own = false;
         for parameter in body.mesh.kind_mut().parameters() {
             let factor = match parameter.spec().name {

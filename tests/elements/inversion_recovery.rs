@@ -3,6 +3,7 @@
 
 use crate::common::{Random, level, models, simulation};
 use gingerbread::{
+    elements::ElementKind,
     inversion_recovery::{Tangle, untangled},
     simulation::Simulation,
     state::State,
@@ -122,15 +123,17 @@ fn an_untangled_held_body_is_spread_between_its_pins() {
 
 #[test]
 fn pins_that_are_pulled_apart_stretch_the_body_evenly() {
-    let simulation = scene("StableNeoHookean", PINNED);
-    let (scene, mut state) = (simulation.scene(), scramble(&simulation, 1, 9));
-    let body = &scene.bodies[1];
-    let right = scene.pins.iter().filter(|pin| scene.rest[2 * **pin as usize] > 0.5);
-    right.for_each(|pin| state.x[2 * *pin as usize] += 0.6);
-    let free = untangled(scene, &state).unwrap();
-    let widest = body.elements.gradients(&free.x).map(|(f, _)| f.m11).fold(0.0, f64::max);
-    let least = body.elements.gradients(&free.x).map(|(f, _)| f.m11).fold(f64::INFINITY, f64::min);
-    assert!((1.9..=2.0).contains(&least) && (2.0..2.1).contains(&widest), "{least} {widest}");
+    for kind in ElementKind::ALL {
+        let simulation = scene("StableNeoHookean", &format!("{PINNED}, element: {kind:?}"));
+        let (scene, mut state) = (simulation.scene(), scramble(&simulation, 1, 9));
+        let body = &scene.bodies[1];
+        let right = scene.pins.iter().filter(|pin| scene.rest[2 * **pin as usize] > 0.5);
+        right.for_each(|pin| state.x[2 * *pin as usize] += 0.6);
+        let free = untangled(scene, &state).unwrap();
+        let widest = body.elements.gradients(&free.x).map(|(f, _)| f.m11).fold(0.0, f64::max);
+        let least = body.elements.gradients(&free.x).map(|(f, _)| f.m11).fold(f64::INFINITY, f64::min);
+        assert!((1.9..=2.0).contains(&least) && (2.0..2.1).contains(&widest), "{kind:?}: {least} {widest}");
+    }
 }
 
 /// Nearly incompressible, pressed flat and let go: it comes to rest in a crease at the neck, without a fold.

@@ -9,7 +9,8 @@ use std::{
 };
 
 use gingerbread::meshes::{
-    Diagonals, Disk, Files, Gingerbread, Mesh, MeshError, MeshKind, MeshSource, NoFiles, Obj, Outline, Rectangle,
+    Diagonals, Disk, Files, Gingerbread, Mesh, MeshError, MeshKind, MeshSource, NoFiles, Numbering, Obj, Outline,
+    Rectangle,
 };
 use proptest::{prelude::*, test_runner::RngSeed};
 
@@ -118,6 +119,36 @@ fn icing_lies_on_the_body_and_follows_it() {
         {
             assert!((u - 3.0 + 2.0 * y).abs() < 1e-12 && (v - 2.0 * x - 1.0).abs() < 1e-12);
         }
+    }
+}
+
+/// Divided into four, a mesh has the same vertices first and the same shape, and its icing lies where it was. Vertices have the same names in
+/// whatever order the triangles are.
+#[test]
+fn a_refined_mesh_is_the_same_shape() {
+    let mesh = gingerbread(500);
+    let fine = mesh.refined().unwrap();
+    assert_eq!(fine.triangles().len(), 4 * mesh.triangles().len());
+    assert_eq!(&fine.points()[..mesh.points().len()], mesh.points());
+    assert!((fine.area() / mesh.area() - 1.0).abs() < 1e-12);
+    for (coarse, fine_stroke) in mesh.icing().iter().zip(fine.icing()) {
+        assert!(fine_stroke.points.iter().flat_map(|point| point.weights).all(|weight| weight > -1e-6));
+        let before = coarse.positions(mesh.triangles(), &flat(&mesh)).collect::<Vec<_>>();
+        let after = fine_stroke.positions(fine.triangles(), &flat(&fine)).collect::<Vec<_>>();
+        assert_eq!(before.len(), after.len());
+        for ([x, y], [u, v]) in before.into_iter().zip(after) {
+            assert!((x - u).abs() < 1e-14 && (y - v).abs() < 1e-14);
+        }
+    }
+    let triangles = mesh.triangles().len() as u32;
+    let names = (0..mesh.points().len() as u32).rev().collect();
+    let turned = mesh.renumbered(Numbering::new(names, (0..triangles).rev().collect())).refined().unwrap();
+    for (vertex, point) in turned.points().iter().enumerate() {
+        assert_eq!(*point, fine.points()[turned.numbering().name(vertex as u32) as usize]);
+    }
+    for (triangle, corners) in turned.triangles().iter().enumerate() {
+        let named = corners.map(|corner| turned.numbering().name(corner));
+        assert_eq!(named, fine.triangles()[turned.numbering().element_name(triangle)]);
     }
 }
 

@@ -6,6 +6,7 @@ use crate::common::{
     studies::{RESTING, WHOLE, setting, trial, without_times},
 };
 use gingerbread::{
+    elements::ElementKind,
     level::Level,
     meshes::NoFiles,
     study::{
@@ -87,6 +88,37 @@ fn locking_is_that_of_the_levels_own_mesh_and_says_of_which() {
     );
     let words = numbers(&outline)[1].words();
     assert!(words.starts_with("at most ") && words.contains("which may lock too"), "{words}");
+}
+
+/// Kinds of elements are compared on meshes of as many triangles, and one that the level cannot have is left out with the reason.
+#[test]
+fn kinds_of_elements_are_compared() {
+    let typed = level(
+        "(name: \"bar\", bodies: [(name: \"bar\", mass: Density(1000), pins: [Left],
+          mesh: Rectangle(width: 0.8, height: 0.1, columns: 32, rows: 4, diagonals: Crossed, corner: (0.1, 0.6)),
+          energy: (formula: \"mu/2*(I1 - 2 - 2*log(J)) + lambda/2*log(J)^2\"),
+          material: (model: NeoHookean, young: 400000, poisson: 0.3))], effects: [(effect: Gravity(down: 1))])",
+    );
+    for (level, kinds) in [(bar(32, 4), 3), (typed, 2)] {
+        let elements = ElementKind::ALL.to_vec();
+        let plan = MeshPlan { triangles: vec![128, 512, 2048], elements, threads: 1, ..MeshPlan::default() };
+        let mut study = MeshStudy::new(&level, &NoFiles, 1.0, plan).unwrap();
+        while !study.advance(WHOLE).finished {}
+        assert_eq!(study.elements().len(), kinds);
+        assert!(study.points().all(|point| point.value.is_some() && [128, 512, 2048].contains(&point.triangles)));
+        let left_out =
+            study.left_out().iter().all(|(kind, why)| *kind == ElementKind::MeanDilatation && why.contains("volume"));
+        assert!(left_out && study.left_out().len() == 3 - kinds);
+        // Quadratic elements are far more exact with as many triangles, so that a coarser mesh is enough.
+        let errors = |kind| {
+            study.points().filter(move |point| point.element == Some(kind)).map(|point| study.error_of(point).unwrap())
+        };
+        assert!(errors(ElementKind::Quadratic).zip(errors(ElementKind::Linear)).all(|(one, other)| one < 0.2 * other));
+        let [.., [point, finest]] = *study.as_exact() else { unreachable!("quadratic elements are as exact") };
+        assert_eq!([point.element, finest.element], [Some(ElementKind::Quadratic), Some(ElementKind::Linear)]);
+        assert!(point.triangles <= 512 && finest.triangles == 2048, "{point:?}");
+        assert_eq!(study.as_exact_in_words().len(), study.as_exact().len());
+    }
 }
 
 #[test]

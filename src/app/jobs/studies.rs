@@ -158,8 +158,9 @@ pub struct MeshFindings {
     pub reference: Option<Result<MeshReference, NoMeshReference>>,
     /// Order of the error in the size of the triangles for each kind of elements, or the reason why it cannot be measured.
     pub orders: Vec<(ElementKind, MeasuredOrder)>,
-    /// Which meshes are as exact as the finest of linear triangles, and what they cost; a sentence for each kind.
-    pub as_exact: Vec<String>,
+    /// Which meshes are as exact as the finest of linear triangles, and what they cost; and which kinds the level cannot have. A sentence for each
+    /// kind.
+    pub remarks: Vec<String>,
     /// Locking of the level's mesh.
     pub locking: Vec<LockingNumber>,
     /// The table as comma-separated values.
@@ -196,6 +197,7 @@ impl Task for Meshes {
 
     fn results(&self) -> MeshFindings {
         let study = &self.study;
+        let left_out = |(kind, why): &(ElementKind, String)| format!("{} is left out: {why}.", kind.title());
         let mesh = |point: &MeshPoint| Mesh {
             point: point.clone(),
             error: study.error_of(point),
@@ -212,7 +214,7 @@ impl Task for Meshes {
                 let kinds = study.elements().into_iter().flatten();
                 kinds.map(|kind| (kind, study.order(Some(kind)))).collect()
             }),
-            as_exact: study.as_exact_in_words(),
+            remarks: study.as_exact_in_words().into_iter().chain(study.left_out().iter().map(left_out)).collect(),
             csv: study.csv(&locking),
             locking,
         }

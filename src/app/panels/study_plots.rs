@@ -294,7 +294,7 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
     } else if let Some((_, Err(reason))) = study.orders.first() {
         ui.label(format!("Order of the error: not measurable here: {reason}."));
     }
-    for sentence in &study.as_exact {
+    for sentence in &study.remarks {
         ui.label(sentence);
     }
     let locks = |number: &LockingNumber| {
@@ -313,7 +313,8 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
             let [own, better] = number.meshes;
             format!(" Own mesh: {own}; compared with: {better}.")
         });
-        let remedy = if tight { " Elements of mean dilatation, or quadratic ones, do not lock." } else { "" };
+        let linear = study.locking.iter().any(|number| number.meshes[0].is_linear);
+        let remedy = if tight && linear { " Elements of mean dilatation, or quadratic ones, do not lock." } else { "" };
         let text = format!("Locking: {}.{meshes}{remedy}", numbers.join("; "));
         ui.label(RichText::new(text).color(color)).on_hover_text(help);
     }

@@ -186,27 +186,35 @@ pub fn edge_vectors([middle, first, second, third]: [[f64; 2]; 4]) -> [[f64; 2];
 }
 
 impl Matrices {
-    /// Loads one SIMD register of each entry.
     #[inline(always)]
     fn load<S: Simd>(&self, set: S, part: usize) -> Mat2<Wide<S>> {
-        let [m11, m21, m12, m22] = &self.0;
-        Mat2::new(
-            Wide::load(set, m11, part),
-            Wide::load(set, m12, part),
-            Wide::load(set, m21, part),
-            Wide::load(set, m22, part),
-        )
+        load(set, &self.0, part)
     }
 
-    /// Stores one SIMD register of each entry.
     #[inline(always)]
     fn store<S: Simd>(&mut self, matrix: Mat2<Wide<S>>, part: usize) {
-        let [m11, m21, m12, m22] = &mut self.0;
-        matrix.m11.store(m11, part);
-        matrix.m21.store(m21, part);
-        matrix.m12.store(m12, part);
-        matrix.m22.store(m22, part);
+        store(matrix, &mut self.0, part);
     }
+}
+
+/// Loads one SIMD register of each entry.
+#[inline(always)]
+pub(super) fn load<S: Simd>(set: S, [m11, m21, m12, m22]: &[Lanes; 4], part: usize) -> Mat2<Wide<S>> {
+    Mat2::new(
+        Wide::load(set, m11, part),
+        Wide::load(set, m12, part),
+        Wide::load(set, m21, part),
+        Wide::load(set, m22, part),
+    )
+}
+
+/// Stores one SIMD register of each entry.
+#[inline(always)]
+pub(super) fn store<S: Simd>(matrix: Mat2<Wide<S>>, [m11, m21, m12, m22]: &mut [Lanes; 4], part: usize) {
+    matrix.m11.store(m11, part);
+    matrix.m21.store(m21, part);
+    matrix.m12.store(m12, part);
+    matrix.m22.store(m22, part);
 }
 
 /// The matrices D of the first or the second triangles of part of a block.

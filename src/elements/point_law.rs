@@ -1,7 +1,7 @@
 //! Laws of materials at the points of elements of six nodes, for eight elements at a time.
 
 use super::{
-    blocks::{EnergyLaw, StressLaw},
+    blocks::{EnergyLaw, StressLaw, load, store},
     tangent::Isotropic,
 };
 use crate::{
@@ -74,26 +74,6 @@ impl<L: EnergyLaw + Isotropic> PointLaw for L {
     fn thickness_stress(&self, f: Mat2<f64>) -> f64 {
         EnergyLaw::thickness_stress(self, f)
     }
-}
-
-/// Loads one SIMD register of each entry.
-#[inline(always)]
-pub(super) fn load<S: Simd>(set: S, [m11, m21, m12, m22]: &[Lanes; 4], part: usize) -> Mat2<Wide<S>> {
-    Mat2::new(
-        Wide::load(set, m11, part),
-        Wide::load(set, m12, part),
-        Wide::load(set, m21, part),
-        Wide::load(set, m22, part),
-    )
-}
-
-/// Stores one SIMD register of each entry.
-#[inline(always)]
-pub(super) fn store<S: Simd>(matrix: Mat2<Wide<S>>, [m11, m21, m12, m22]: &mut [Lanes; 4], part: usize) {
-    matrix.m11.store(m11, part);
-    matrix.m21.store(m21, part);
-    matrix.m12.store(m12, part);
-    matrix.m22.store(m22, part);
 }
 
 /// The stresses of a law of F and, if [`StressLaw::RATE`], of dF/dt.

@@ -2,8 +2,8 @@
 
 use super::{
     ElementKind, PointStress,
-    blocks::StressLaw,
-    point_law::{AddGradients, Added, MeanChange, Measured, POINTS, PointLaw, PointMatrices, Stresses, load, store},
+    blocks::{StressLaw, load, store},
+    point_law::{AddGradients, Added, MeanChange, Measured, POINTS, PointLaw, PointMatrices, Stresses},
     tangent::Corner,
 };
 use crate::{

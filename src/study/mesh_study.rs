@@ -199,7 +199,7 @@ impl MeshStudy {
         let (mut left_out, mut kinds) = (Vec::new(), Vec::new());
         for element in plan.elements.iter().copied() {
             let own = with_elements(&level, Some(element), 1.0)?;
-            match Scene::build(&own, own.mode, files, None) {
+            match Scene::build(&own, own.mode, files, Some(&trial.scene)) {
                 Ok(scene) => kinds.push((Some(element), scene)),
                 Err(why) => left_out.push((element, why.to_string())),
             }
@@ -577,7 +577,7 @@ impl Measure {
 }
 
 /// Level with about `share` times as many triangles, of bodies with elements of one kind, if it is given.
-fn with_elements(level: &Level, element: Option<ElementKind>, share: f64) -> Result<Level, StudyError> {
+pub(super) fn with_elements(level: &Level, element: Option<ElementKind>, share: f64) -> Result<Level, StudyError> {
     let Some(element) = element else { return with_triangles(level, share) };
     let mut level = level.clone();
     let divided = |kind: ElementKind| if kind.has_six_nodes() { 4.0 } else { 1.0 };

@@ -72,6 +72,8 @@ pub struct Simulation {
     checks: Vec<PlacedCheck>,
     measured_checks: Vec<Option<f64>>,
     guard: Guard,
+    /// The earliest step after which steps were taken again, until it is asked for.
+    taken_back: Option<u64>,
     fault: Option<Fault>,
     overlaps: Overlaps,
     /// Counts changes of the scene, the state, the pull, and steps.
@@ -113,6 +115,7 @@ impl Simulation {
             checks: Vec::new(),
             measured_checks: Vec::new(),
             guard: Guard::default(),
+            taken_back: None,
             fault: None,
             overlaps: Overlaps::default(),
             revision: 0,
@@ -236,6 +239,11 @@ impl Simulation {
     /// The fault that stopped stepping, if any.
     pub const fn fault(&self) -> Option<&Fault> {
         self.fault.as_ref()
+    }
+
+    /// The earliest step after which steps were taken again, since the last call; `None` if none were.
+    pub const fn taken_back(&mut self) -> Option<u64> {
+        self.taken_back.take()
     }
 
     /// Number of shorter steps that the guard takes for one now.
@@ -544,6 +552,7 @@ impl Simulation {
         let gave_up = !finite && self.scene.integrator.kind().class() == Class::ErrorControlled;
         while self.is_guarded() && !gave_up && self.guard.refine(most) {
             self.go_back_to(began);
+            self.taken_back = Some(self.taken_back.map_or(began, |earlier| earlier.min(began)));
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;
             let start = self.energies().total();

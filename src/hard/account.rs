@@ -1,6 +1,10 @@
 //! Energy account of a run.
 
-use crate::{guard::negligible, report::Energies, scene::Scene};
+use crate::{guard::negligible, report::Energies, scene::Scene, simulation::Simulation};
+use std::collections::VecDeque;
+
+/// Records that are remembered: more than the steps that a guard takes back at once.
+const REMEMBERED: usize = 64;
 
 /// Energy account of a run.
 ///
@@ -16,6 +20,8 @@ pub struct Account {
     work: f64,
     /// Least A so far \[J\].
     least: f64,
+    /// Numbers of the last steps that were recorded, and the least A before each \[J\].
+    recent: VecDeque<(u64, f64)>,
     /// Energy put in \[J\].
     put_in: f64,
     gain: f64,
@@ -25,7 +31,8 @@ impl Account {
     /// Opens the account of a scene with its energies.
     pub fn new(scene: &Scene, energies: Energies) -> Self {
         let start = energies.total();
-        let mut account = Self { start, work: 0.0, least: start, put_in: negligible(scene), gain: 0.0 };
+        let mut account =
+            Self { start, work: 0.0, least: start, recent: VecDeque::new(), put_in: negligible(scene), gain: 0.0 };
         account.record(energies);
         account
     }
@@ -40,6 +47,20 @@ impl Account {
     /// Adds work of moving obstacles \[J\].
     pub fn supply(&mut self, work: f64) {
         self.work += work;
+    }
+
+    /// Records the energies of a simulation after steps. The least energy of states that its guard took back since the last call is
+    /// forgotten: energy that only they had lost is in what follows.
+    pub fn record_steps(&mut self, simulation: &mut Simulation) {
+        let taken_back = simulation.taken_back().unwrap_or(u64::MAX);
+        while let Some((_, least)) = self.recent.pop_back_if(|(step, _)| *step > taken_back) {
+            self.least = least;
+        }
+        self.recent.push_back((simulation.state().steps, self.least));
+        if self.recent.len() > REMEMBERED {
+            self.recent.pop_front();
+        }
+        self.record(simulation.energies());
     }
 
     /// Records the present energies.

@@ -190,7 +190,7 @@ fn step(mut simulation: Simulation, outcome: &mut Outcome) {
         simulation.advance(1, &mut || true);
         simulation.check_energy();
         account.supply(simulation.work_of_obstacles() - work);
-        account.record(simulation.energies());
+        account.record_steps(&mut simulation);
         if begins_apart && let Some(crossings) = simulation.count_crossings() {
             outcome.crossings = outcome.crossings.max(crossings);
         }

@@ -12,6 +12,7 @@ mod progress;
 mod report;
 mod search;
 mod series;
+mod states;
 mod study;
 mod sweep;
 
@@ -25,6 +26,7 @@ pub use report::{
 };
 pub use search::{BreakRequest, search};
 pub use series::{Recording, Series};
+pub use states::States;
 pub use study::{Study, study};
 pub use sweep::{MergeRequest, SweepRequest, merge, sweep};
 
@@ -90,6 +92,9 @@ pub struct RunRequest {
     /// Write states over time here for `ParaView`: a collection (.pvd), and beside it a file (.vtu) for each.
     #[arg(long, value_name = "FILE.pvd", group = "recording")]
     pub vtk: Option<PathBuf>,
+    /// Write states over time here for `NumPy`: an archive (.npz) of times, positions, velocities, energies, triangles and springs.
+    #[arg(long, value_name = "FILE.npz", group = "recording")]
+    pub npz: Option<PathBuf>,
     /// Save the level with its last state here, to go on from.
     #[arg(long)]
     pub save: Option<PathBuf>,
@@ -147,6 +152,7 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         ("--report", &request.report),
         ("--csv", &request.csv),
         ("--vtk", &request.vtk),
+        ("--npz", &request.npz),
         ("--save", &request.save),
     ]
     .map(|(option, path)| (option, path.as_ref()));
@@ -194,13 +200,16 @@ pub fn run(request: &RunRequest) -> Result<Ending, HeadlessError> {
         let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
         Ok(csv(&simulation, head))
     });
-    if let Some(Recording { series, frames, .. }) = recording {
+    if let Some(Recording { series, frames, states, .. }) = recording {
         let head = report.partial.as_ref().map_or(String::new(), |partial| remark("partial", partial));
         if let Some(series) = series {
             outputs.write("--csv", |_| Ok(series.text(head)));
         }
         if let Some(frames) = frames {
             outputs.write("--vtk", |_| frames.text());
+        }
+        if let Some(states) = states {
+            outputs.write("--npz", |_| states.bytes());
         }
     }
     outputs.write("--report", |_| {
@@ -362,9 +371,10 @@ fn recording(request: &RunRequest, simulation: &Simulation) -> Result<Option<Rec
         Series::new(probes, simulation).map_err(|why| refuse("--csv", path, why))
     };
     let frames = |path: &PathBuf| Frames::new(path, simulation.scene()).map_err(|why| refuse("--vtk", path, why));
-    let all = (request.csv.as_ref().map(series).transpose()?, request.vtk.as_ref().map(frames).transpose()?);
-    let records = all.0.is_some() || all.1.is_some();
-    Ok(records.then(|| Recording::new(all, request.every.unwrap_or(1.0 / 60.0), simulation)))
+    let states = |path: &PathBuf| States::new(path, simulation.scene()).map_err(|why| refuse("--npz", path, why));
+    let texts = (request.csv.as_ref().map(series).transpose()?, request.vtk.as_ref().map(frames).transpose()?);
+    let states = request.npz.as_ref().map(states).transpose()?;
+    Ok(Recording::new(texts, states, request.every.unwrap_or(1.0 / 60.0)).begin(simulation))
 }
 
 /// Steps as many times as wanted, or less often if a fault or a signal occurs, and adds rows to a recording.

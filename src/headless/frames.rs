@@ -25,13 +25,48 @@ const TRIANGLE: u8 = 5;
 pub struct Frames {
     collection: PathBuf,
     times: Vec<f64>,
-    /// Place of each vertex of the scene where the level lists them.
-    listed: Vec<usize>,
-    /// Place of each triangle of the scene where the level lists them, and its corners by their places.
-    triangles: Vec<(usize, [usize; 3])>,
-    /// Ends of all springs, by their places.
-    springs: Vec<[usize; 2]>,
+    listed: Listed,
     failure: Option<String>,
+}
+
+/// Vertices, triangles and springs of a scene as its level lists them.
+pub struct Listed {
+    /// Place of each vertex of the scene.
+    pub vertices: Vec<usize>,
+    /// Place of each triangle of the scene, and its corners by their places.
+    pub triangles: Vec<(usize, [usize; 3])>,
+    /// Ends of all springs, by their places.
+    pub springs: Vec<[usize; 2]>,
+}
+
+impl Listed {
+    /// Those of a scene.
+    ///
+    /// # Errors
+    /// If it is a toy.
+    pub fn new(scene: &Scene) -> Result<Self, String> {
+        if scene.toy.is_some() {
+            return Err("a toy has no vertices".to_owned());
+        }
+        let count = scene.start.x.len() / scene.dimension;
+        let vertices: Vec<_> = (0..count).map(|vertex| scene.listed_vertex(vertex).unwrap_or(vertex)).collect();
+        let place = |vertex: u32| vertices[vertex as usize];
+        let membranes = scene.membranes.iter().flat_map(|membrane| membrane.elements.corners());
+        let corners = scene.triangles.iter().chain(membranes).enumerate();
+        let triangles = corners
+            .map(|(number, corners)| (scene.listed_triangle(number).unwrap_or(number), corners.map(place)))
+            .collect();
+        let links = scene.nets.iter().flat_map(|net| net.springs.links());
+        let springs = links.map(|link| link.ends.map(place)).collect();
+        Ok(Self { vertices, triangles, springs })
+    }
+
+    /// Corners of the triangles, in the order of the level.
+    pub fn corners(&self) -> Vec<[usize; 3]> {
+        let mut corners = vec![[0; 3]; self.triangles.len()];
+        self.triangles.iter().for_each(|(place, own)| corners[*place] = *own);
+        corners
+    }
 }
 
 impl Frames {
@@ -43,20 +78,7 @@ impl Frames {
         if collection.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("pvd")) {
             return Err("the name of the collection must end in .pvd".to_owned());
         }
-        if scene.toy.is_some() {
-            return Err("a toy has no vertices".to_owned());
-        }
-        let vertices = scene.start.x.len() / scene.dimension;
-        let listed: Vec<_> = (0..vertices).map(|vertex| scene.listed_vertex(vertex).unwrap_or(vertex)).collect();
-        let place = |vertex: u32| listed[vertex as usize];
-        let membranes = scene.membranes.iter().flat_map(|membrane| membrane.elements.corners());
-        let corners = scene.triangles.iter().chain(membranes).enumerate();
-        let triangles = corners
-            .map(|(number, corners)| (scene.listed_triangle(number).unwrap_or(number), corners.map(place)))
-            .collect();
-        let links = scene.nets.iter().flat_map(|net| net.springs.links());
-        let springs = links.map(|link| link.ends.map(place)).collect();
-        Ok(Self { collection: collection.to_path_buf(), times: Vec::new(), listed, triangles, springs, failure: None })
+        Ok(Self { collection: collection.to_path_buf(), times: Vec::new(), listed: Listed::new(scene)?, failure: None })
     }
 
     /// Writes a frame. After one that cannot be written no others are.
@@ -94,7 +116,8 @@ impl Frames {
 
     fn grid(&self, simulation: &Simulation) -> String {
         let (scene, state) = (simulation.scene(), simulation.state());
-        let (points, cells) = (self.listed.len(), self.triangles.len() + self.springs.len());
+        let Listed { vertices, triangles, springs } = &self.listed;
+        let (points, cells) = (vertices.len(), triangles.len() + springs.len());
         let moved: Vec<_> = state.x.iter().zip(&scene.start.x).map(|(now, start)| now - start).collect();
         let mut text = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
@@ -115,16 +138,15 @@ impl Frames {
             }
             // Springs have none of these fields.
             let mut all = vec![0.0; cells];
-            self.triangles.iter().zip(&values).for_each(|((place, _), value)| all[*place] = *value);
+            triangles.iter().zip(&values).for_each(|((place, _), value)| all[*place] = *value);
             array(&mut text, ["Float64", name, "1"], all);
         }
         text += "</CellData>\n<Points>\n";
         array(&mut text, ["Float64", "points", "3"], self.in_space(scene, &state.x));
         text += "</Points>\n<Cells>\n";
-        let mut corners = vec![[0; 3]; self.triangles.len()];
-        self.triangles.iter().for_each(|(place, own)| corners[*place] = *own);
-        array(&mut text, ["Int64", "connectivity", "1"], corners.iter().flatten().chain(self.springs.iter().flatten()));
-        let counts = corners.iter().map(|_| 3).chain(self.springs.iter().map(|_| 2));
+        let corners = self.listed.corners();
+        array(&mut text, ["Int64", "connectivity", "1"], corners.iter().flatten().chain(springs.iter().flatten()));
+        let counts = corners.iter().map(|_| 3).chain(springs.iter().map(|_| 2));
         array(
             &mut text,
             ["Int64", "offsets", "1"],
@@ -133,15 +155,15 @@ impl Frames {
                 Some(*end)
             }),
         );
-        let kinds = corners.iter().map(|_| TRIANGLE).chain(self.springs.iter().map(|_| LINE));
+        let kinds = corners.iter().map(|_| TRIANGLE).chain(springs.iter().map(|_| LINE));
         array(&mut text, ["UInt8", "types", "1"], kinds);
         text + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
     }
 
     /// Three numbers for each vertex, as the level lists them.
     fn in_space(&self, scene: &Scene, values: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; 3 * self.listed.len()];
-        for (place, own) in self.listed.iter().zip(values.chunks_exact(scene.dimension)) {
+        let mut all = vec![0.0; 3 * self.listed.vertices.len()];
+        for (place, own) in self.listed.vertices.iter().zip(values.chunks_exact(scene.dimension)) {
             all[3 * place..3 * place + own.len()].copy_from_slice(own);
         }
         all

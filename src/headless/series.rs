@@ -1,14 +1,16 @@
-//! What is recorded while a run goes on: quantities as CSV, and states as frames.
+//! What is recorded while a run goes on: quantities as CSV, and states as frames or arrays.
 
-use super::Frames;
+use super::{Frames, States};
 use crate::{probe::Probe, simulation::Simulation, table::Table};
 
 /// What is recorded at equal intervals of simulated time: at the steps that end nearest to them.
 pub struct Recording {
     /// Quantities.
     pub series: Option<Series>,
-    /// States.
+    /// States, in files of their own.
     pub frames: Option<Frames>,
+    /// States, in one archive.
+    pub states: Option<States>,
     /// Interval \[s\].
     every: f64,
     /// Steps taken before the first row, and rows so far.
@@ -17,11 +19,19 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// A recording with its first row.
-    pub fn new((series, frames): (Option<Series>, Option<Frames>), every: f64, simulation: &Simulation) -> Self {
-        let mut recording = Self { series, frames, every, before: simulation.state().steps, rows: 0 };
-        recording.record(simulation);
-        recording
+    /// A recording without rows.
+    pub fn new((series, frames): (Option<Series>, Option<Frames>), states: Option<States>, every: f64) -> Self {
+        Self { series, frames, states, every, before: 0, rows: 0 }
+    }
+
+    /// Begins with a first row, if anything is recorded.
+    pub fn begin(mut self, simulation: &Simulation) -> Option<Self> {
+        let records = self.series.is_some() || self.frames.is_some() || self.states.is_some();
+        self.before = simulation.state().steps;
+        records.then(|| {
+            self.record(simulation);
+            self
+        })
     }
 
     /// Number of steps from now to the next row; at least one.
@@ -43,6 +53,9 @@ impl Recording {
         }
         if let Some(frames) = &mut self.frames {
             frames.record(simulation);
+        }
+        if let Some(states) = &mut self.states {
+            states.record(simulation);
         }
     }
 }

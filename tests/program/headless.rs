@@ -242,6 +242,60 @@ fn states_over_time_are_those_of_the_run() {
     }
 }
 
+/// The shape and the numbers of an array of 8-byte numbers in an archive without compression.
+fn array_of(archive: &[u8], name: &str) -> (Vec<usize>, Vec<[u8; 8]>) {
+    let name = format!("{name}.npy");
+    let named = archive.windows(name.len()).position(|bytes| bytes == name.as_bytes()).unwrap();
+    let magic = b"\x93NUMPY\x01\x00";
+    let begin = named + archive[named..].windows(8).position(|bytes| bytes == magic).unwrap();
+    let length = usize::from(u16::from_le_bytes([archive[begin + 8], archive[begin + 9]]));
+    assert_eq!((10 + length) % 64, 0);
+    let head = std::str::from_utf8(&archive[begin + 10..begin + 10 + length]).unwrap();
+    let (_, shape) = head.split_once("'shape': (").unwrap();
+    let shape: Vec<usize> =
+        shape.split(')').next().unwrap().split(',').filter_map(|count| count.trim().parse().ok()).collect();
+    let numbers = archive[begin + 10 + length..].as_chunks().0[..shape.iter().product()].to_vec();
+    (shape, numbers)
+}
+
+#[test]
+fn arrays_over_time_are_those_of_the_run() {
+    let folder = Folder::new("npz");
+    let [npz, state, report] = ["a.npz", "state.csv", "report.json"].map(|name| folder.file(name));
+    for (level, dimension) in [("gingerbread_house", 2), ("cloth_folding", 3), ("hanging_net", 2)] {
+        let arguments = ["run", level, "--seconds", "0.1", "--every", "0.05", "--npz", &npz, "--state", &state];
+        let output = gingerbread(&[&arguments[..], &["--report", &report]].concat());
+        assert!(output.status.success(), "{level}: {}", said(&output.stderr));
+        let (archive, rows) = (fs::read(&npz).unwrap(), cells(&state));
+        let vertices = rows.len() - 1;
+        let (shape, times) = array_of(&archive, "time");
+        assert_eq!((shape, f64::from_le_bytes(times[0])), (vec![3], 0.0), "{level}");
+        let moving = ["positions", "velocities"].map(|name| array_of(&archive, name));
+        for (offset, (shape, numbers)) in [1, 1 + dimension].into_iter().zip(&moving) {
+            assert_eq!(*shape, [3, vertices, dimension], "{level}");
+            let last = numbers[2 * vertices * dimension..].chunks(dimension);
+            for (row, own) in rows[1..].iter().zip(last) {
+                let wanted = row[offset..offset + dimension].iter().map(|cell| cell.parse::<f64>().unwrap());
+                assert!(wanted.eq(own.iter().map(|bytes| f64::from_le_bytes(*bytes))), "{level}: {row:?}");
+            }
+        }
+        let (shape, energies) = array_of(&archive, "energies");
+        let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(&report).unwrap()).unwrap();
+        let names = ["kinetic", "elastic", "contact", "potential"].map(|name| report["energy"][name].as_f64().unwrap());
+        assert_eq!((shape, [8, 9, 10, 11].map(|place| f64::from_le_bytes(energies[place]))), (vec![3, 4], names));
+        let [(triangles, corners), (springs, ends)] = ["triangles", "springs"].map(|name| array_of(&archive, name));
+        assert_eq!((triangles[0] == 0, springs[0] > 0), (level == "hanging_net", level == "hanging_net"), "{level}");
+        let numbers = corners.iter().chain(&ends).map(|bytes| u64::from_le_bytes(*bytes));
+        assert_eq!(numbers.max(), Some(vertices as u64 - 1), "{level}");
+    }
+    for (level, path, why) in
+        [("cantilever", "a.npy", "must end in .npz"), ("circle", "a.npz", "a toy has no vertices")]
+    {
+        let output = gingerbread(&["run", level, "--npz", &folder.file(path)]);
+        assert!(!output.status.success() && said(&output.stderr).contains(why), "{}", said(&output.stderr));
+    }
+}
+
 #[test]
 fn quantities_over_time_are_those_of_the_run() {
     let folder = Folder::new("series");

@@ -1,7 +1,7 @@
 //! Error budget: how far a run moves if one source of error at a time is refined, and what that costs.
 //!
-//! The level runs as it is, with guard and sleep. Then it runs once for each source: with half of the time step, with four times as many triangles, with contact twice as
-//! stiff, without sleep, and without each effect. The relative distance of two runs is
+//! The level runs as it is, with guard and sleep. Then it runs once for each source: with half of the time step, with four times as many triangles,
+//! with contact twice as stiff, without sleep, with quadratic elements, and without each effect. The relative distance of two runs is
 //!
 //! ```text
 //! sqrt(sum |x_B - x_A|²) / sqrt(sum |x_A - x_start|²)
@@ -15,11 +15,12 @@ use super::{
     Correspondence, Progress, StudyError,
     difference::positions,
     march::{Deadline, Stopwatch, spread},
-    mesh_study::with_triangles,
+    mesh_study::{with_elements, with_triangles},
     reference::STILL,
 };
 use crate::{
     effects::EffectKind,
+    elements::ElementKind,
     integrators::{Class, Integrator as _, IntegratorKind},
     level::{Level, RunMode, Substeps, Switch, Toggle, When},
     meshes::{Files, NoFiles},
@@ -29,8 +30,8 @@ use crate::{
 };
 use std::time::Duration;
 
-/// Order of the error of linear triangles in their size.
-const MESH_ORDER: f64 = 2.0;
+/// Order of the error of linear triangles in their size, and of quadratic ones where all bodies have them.
+const MESH_ORDERS: [f64; 2] = [2.0, 3.0];
 
 /// Factor by which the tolerance of an error-controlled scheme is refined.
 const TOLERANCE: f64 = 0.1;
@@ -61,6 +62,8 @@ pub enum SourceKind {
     Numerical,
     /// All parts of the computation at once.
     Together,
+    /// A part that was replaced by a better one, which removes some of the same errors as refining others.
+    Replaced,
     /// An effect, which was left out.
     Effect,
 }
@@ -202,14 +205,15 @@ impl ErrorBudget {
     }
 
     /// The sources of error: first those that can be refined, by the distance that their refinement moves the run for its price, then all of
-    /// them together, then the effects, by the distance without them. What is not measured comes last.
+    /// them together, then what is replaced, then the effects, by the distance without them. What is not measured comes last.
     pub fn sources(&self) -> impl Iterator<Item = &Source> {
         let rank = |source: &Source| {
             let moved = source.moved.unwrap_or(-1.0);
             match source.kind {
                 SourceKind::Numerical => (0, -source.worth().unwrap_or(-1.0)),
                 SourceKind::Together => (1, 0.0),
-                SourceKind::Effect => (2, -moved),
+                SourceKind::Replaced => (2, 0.0),
+                SourceKind::Effect => (3, -moved),
             }
         };
         let mut all: Vec<_> = self.runs.iter().map(|run| &run.source).collect();
@@ -318,7 +322,10 @@ fn runs(level: &Level, scene: &Scene) -> Vec<Run> {
         && finer.bodies != level.bodies
     {
         together.bodies.clone_from(&finer.bodies);
-        all.push(Run::new("mesh", "4 times as many triangles", SourceKind::Numerical, finer, Some(MESH_ORDER)));
+        let [linear, quadratic] = MESH_ORDERS;
+        let is_quadratic = level.bodies.iter().all(|body| body.element == ElementKind::Quadratic);
+        let order = if is_quadratic { quadratic } else { linear };
+        all.push(Run::new("mesh", "4 times as many triangles", SourceKind::Numerical, finer, Some(order)));
     }
     let stiffened = |listed: &EffectKind| match listed {
         EffectKind::Contact(own) => SkinModulus::new(2.0 * own.modulus.get()).ok(),
@@ -341,6 +348,12 @@ fn runs(level: &Level, scene: &Scene) -> Vec<Run> {
     }
     if all.len() > 1 {
         all.push(Run::new("all of these", "together", SourceKind::Together, together, None));
+    }
+    if let Ok(quadratic) = with_elements(level, Some(ElementKind::Quadratic), 1.0)
+        && level.bodies.iter().any(|body| body.element != ElementKind::Quadratic)
+    {
+        let change = "quadratic, about as many vertices";
+        all.push(Run::new("elements", change, SourceKind::Replaced, quadratic, None));
     }
     for number in 0..level.effects.len() {
         let listed = &level.effects[number];

@@ -3,6 +3,7 @@
 
 use crate::common::{built_in, named as scheme_named};
 use gingerbread::{
+    elements::ElementKind,
     level::{Level, Substeps},
     meshes::NoFiles,
     study::{ErrorBudget, ErrorSource, Plan, SourceKind, Trial, WorkPrecision},
@@ -46,7 +47,8 @@ fn the_parts_of_a_body_are_told_with_every_effect() {
     let kinds: Vec<_> = sources.iter().map(|source| source.kind).collect();
     let split = kinds.iter().position(|kind| *kind == SourceKind::Together).unwrap();
     assert!(kinds[..split].iter().all(|kind| *kind == SourceKind::Numerical), "{names:?}");
-    assert!(kinds[split + 1..].iter().all(|kind| *kind == SourceKind::Effect), "{names:?}");
+    assert_eq!(kinds[split + 1], SourceKind::Replaced);
+    assert!(kinds[split + 2..].iter().all(|kind| *kind == SourceKind::Effect), "{names:?}");
     let worth: Vec<_> = sources[..split].iter().map(|source| source.worth().unwrap()).collect();
     assert!(worth.is_sorted_by(|a, b| a >= b), "what removes most error for its price comes first: {worth:?}");
     for again in budget(&built_in("cantilever"), 0.2, 1) {
@@ -55,6 +57,21 @@ fn the_parts_of_a_body_are_told_with_every_effect() {
     }
     let [step, mesh, all] = ["time step", "mesh", "all of these"].map(|name| named(&sources, name).moved.unwrap());
     assert!(mesh > step && (all / (step + mesh) - 1.0).abs() < 0.2, "they add up: {step} {mesh} {all}");
+}
+
+/// Nearly incompressible linear triangles lock, which more of them mend slowly and quadratic ones at once. A level of quadratic ones has no such part.
+#[test]
+fn elements_that_lock_are_the_greatest_part() {
+    let mut level = built_in("locking");
+    level.bodies.retain(|body| body.element == ElementKind::Linear);
+    let sources = budget(&level, 0.4, 2);
+    let [elements, mesh] = ["elements", "mesh"].map(|name| named(&sources, name).moved.unwrap());
+    assert!(elements > 1.2 * mesh && mesh > 0.05, "{elements} by the elements, {mesh} by the mesh");
+    level.bodies[0].element = ElementKind::Quadratic;
+    let sources = budget(&level, 0.1, 2);
+    assert!(sources.iter().all(|source| source.name != "elements"));
+    let mesh = named(&sources, "mesh");
+    assert!((mesh.error.unwrap() / mesh.moved.unwrap() - 8.0 / 7.0).abs() < 1e-12);
 }
 
 #[test]

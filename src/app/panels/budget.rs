@@ -41,7 +41,8 @@ fn contents(ui: &mut Ui, budget: &Budget, ms: f64) {
     let series = |number: usize| theme.series[number % theme.series.len()];
     let refined = of(SourceKind::Numerical).enumerate().map(|(number, source)| (Some(series(number)), source));
     let together = of(SourceKind::Together).map(|source| (None, source));
-    table(ui, ["Refined", "to", "Moves by", "Error", "Time"], refined.chain(together), ms);
+    let replaced = of(SourceKind::Replaced).map(|source| (None, source));
+    table(ui, ["Refined", "to", "Moves by", "Error", "Time"], refined.chain(together).chain(replaced), ms);
     ui.add_space(10.0);
     table(ui, ["Effect", "", "Moves by", "", "Time"], of(SourceKind::Effect).map(|source| (None, source)), ms);
 }

@@ -136,6 +136,8 @@ pub enum Command {
     SetPins(usize, Vec<Pin>),
     /// Pins a vertex (by its number in the scene), or frees it.
     TogglePin(usize),
+    /// Pins vertices (by their numbers in the scene), or frees them.
+    PinAll(Vec<usize>, bool),
     /// Frees all vertices.
     ClearPins,
     /// Sets the start of a test level and begins there.
@@ -215,6 +217,7 @@ impl Command {
             | Self::SetWind(_)
             | Self::SetPins(..)
             | Self::TogglePin(_)
+            | Self::PinAll(..)
             | Self::ClearPins
             | Self::SetPose(_)
             | Self::SetSideBySide(_)

@@ -188,13 +188,8 @@ impl Document {
         lists.chain(membranes.iter_mut().map(|membrane| &mut membrane.pins)).nth(source)
     }
 
-    /// Replaces the pinning rules of a body or net by vertices, and pins or frees one of them.
-    pub fn toggle_pin(&mut self, owner: Owner, vertex: u32, pinned: &[u32]) {
-        let mut pins = pinned.to_vec();
-        match pins.binary_search(&vertex) {
-            Ok(at) => drop(pins.remove(at)),
-            Err(at) => pins.insert(at, vertex),
-        }
+    /// Replaces the pinning rules of a body, net or membrane by vertices.
+    pub fn set_pinned(&mut self, owner: Owner, pins: &[u32]) {
         let rules = match owner {
             Owner::Body(number) => {
                 let source = self.source(number);
@@ -204,7 +199,7 @@ impl Document {
             Owner::Membrane(number) => self.level.membranes.get_mut(number).map(|membrane| &mut membrane.pins),
         };
         if let Some(rules) = rules {
-            *rules = pins.into_iter().map(Pin::Vertex).collect();
+            *rules = pins.iter().copied().map(Pin::Vertex).collect();
         }
     }
 

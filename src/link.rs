@@ -17,7 +17,7 @@
 
 mod query;
 
-pub use query::{View, set_parameter, view};
+pub use query::{Camera, View, set_parameter, view};
 
 use crate::{
     files::{self, FileError},
@@ -25,13 +25,20 @@ use crate::{
 };
 use base64::{Engine as _, prelude::BASE64_URL_SAFE_NO_PAD};
 use flate2::{Compression, read::DeflateDecoder, write::DeflateEncoder};
-use std::io::{Read as _, Write as _};
+use percent_encoding::percent_decode_str;
+use std::{
+    borrow::Cow,
+    io::{Read as _, Write as _},
+};
 
 /// Name of a link in messages.
 const NAME: &str = "link";
 
 /// What stands before the level.
 const START: &str = "#level=";
+
+/// What stands between the level and the camera, if there is one.
+const CAMERA: &str = "&camera=";
 
 /// Longest part of an address that holds a level \[bytes\].
 pub const LONGEST: usize = 8 << 10;
@@ -58,6 +65,22 @@ pub fn fragment(level: &Level) -> Result<String, FileError> {
     Ok(fragment)
 }
 
+/// The same, and from where the scene is seen, unless that is beyond all that a link can say.
+///
+/// # Errors
+/// As [`fragment`].
+pub fn fragment_seen_from(level: &Level, camera: Camera) -> Result<String, FileError> {
+    let (fragment, camera) = (fragment(level)?, camera.to_string());
+    // A scene that has exploded may be seen from where no link leads.
+    Ok(if camera.parse::<Camera>().is_ok() { fragment + CAMERA + &camera } else { fragment })
+}
+
+/// The text of the camera behind the level in an address, if there is one.
+fn camera_text(address: &str) -> Option<Cow<'_, str>> {
+    let text = address.split_once(START)?.1.split_once(CAMERA)?.1;
+    Some(percent_decode_str(text.trim()).decode_utf8_lossy())
+}
+
 /// Whether an address holds or names a level.
 pub fn is_link(address: &str) -> bool {
     address.contains(START) || query::names_level(address)
@@ -66,7 +89,12 @@ pub fn is_link(address: &str) -> bool {
 /// The level in an address, or the one that it names; `None` if there is none.
 pub fn level(address: &str) -> Option<Result<Level, FileError>> {
     match address.split_once(START) {
-        Some((_, packed)) => Some(read(packed)),
+        Some((_, packed)) => {
+            Some(read(packed.split_once(CAMERA).map_or(packed, |(packed, _)| packed)).and_then(|level| {
+                let is_sound = camera_text(address).is_none_or(|text| text.parse::<Camera>().is_ok());
+                if is_sound { Ok(level) } else { Err(refused("its camera is not complete, or was changed".to_owned())) }
+            }))
+        }
         None => query::names_level(address).then(|| query::level(address)),
     }
 }
@@ -133,6 +161,26 @@ mod tests {
                     poisson: 0.3), mass: Total(1))])";
         let error = super::level(&pack(text.as_bytes())).unwrap().unwrap_err().to_string();
         assert!(error.contains("/etc/passwd") && error.contains("does not fit"), "{error}");
+    }
+
+    #[test]
+    fn a_link_says_from_where_its_level_is_seen() {
+        let level = files::parse(levels::built_in("gingerbread_house").unwrap(), "a").unwrap();
+        for camera in [Camera::Plane([0.5, -0.25], 3.0), Camera::Space([1.0, 2.0, -3e-6], 0.5, [0.5, -0.125])] {
+            let link = fragment_seen_from(&level, camera).unwrap();
+            assert_eq!(super::level(&link).unwrap().unwrap(), level);
+            assert_eq!(view(&link).camera, Some(camera));
+            assert_eq!(view(&(link.replace(',', "%2C") + "\n")).camera, Some(camera));
+            assert_eq!(view(&format!("page?level=chain&camera={camera}")).camera, Some(camera));
+        }
+        let nowhere = Camera::Space([f64::INFINITY; 3], f64::INFINITY, [0.0; 2]);
+        assert_eq!(fragment_seen_from(&level, nowhere).unwrap(), fragment(&level).unwrap());
+        for wrong in ["", "1,2", "1,2,0", "1,2,NaN", "1,2,1e99", "1,2,3,-4,5,6", "1,2,3,4,5,6,7", "a,b,c"] {
+            let link = format!("{}{CAMERA}{wrong}", fragment(&level).unwrap());
+            assert!(super::level(&link).unwrap().unwrap_err().to_string().contains("camera"), "{wrong}");
+            let named = format!("page?level=chain&camera={wrong}");
+            assert!(super::level(&named).unwrap().unwrap_err().to_string().contains("camera"), "{wrong}");
+        }
     }
 
     #[test]

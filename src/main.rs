@@ -93,11 +93,12 @@ fn usage(error: &clap::Error) -> ExitCode {
 /// Opens the window; where that cannot be, says so and what to do instead.
 fn window(level: Option<&Path>) -> ExitCode {
     // Built once before the window, so that a mistake in a level is told as such.
+    let link = level.and_then(Path::to_str).filter(|address| link::is_link(address));
     let level = match level.map(headless::open).transpose() {
         Ok(level) => level,
         Err(error) => return fail(&error, error.exit_code()),
     };
-    let Err(error) = app::run(level) else { return ExitCode::SUCCESS };
+    let Err(error) = app::run(level, link) else { return ExitCode::SUCCESS };
     // What went before the last colon are places in the source of libraries.
     let error = error.to_string();
     let cause = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
@@ -115,7 +116,13 @@ fn link(level: &Path, page: &str, seconds: Option<f64>) -> ExitCode {
         Some(seconds) => headless::recorded(level, seconds),
         None => headless::open(level),
     };
-    let fragment = match read.map(|level| link::fragment(&level)) {
+    // That of a link stays.
+    let camera = level.to_str().and_then(|address| link::view(address).camera);
+    let fragment = |level| match camera {
+        Some(camera) => link::fragment_seen_from(&level, camera),
+        None => link::fragment(&level),
+    };
+    let fragment = match read.map(fragment) {
         Ok(Ok(fragment)) => fragment,
         Ok(Err(error)) => return fail(&error, 2),
         Err(error) => return fail(&error, error.exit_code()),

@@ -2,6 +2,7 @@
 
 use super::{
     App,
+    canvas::{Look, Tool},
     dialogs::{self, DialogResult, Purpose},
     making,
     panels::{Choice, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
@@ -88,7 +89,7 @@ impl App {
         let done = self.apply(None, Command::Open(Box::new(level)));
         if done {
             self.mark_kept();
-            (self.view.picks, self.view.stage.draws) = (false, false);
+            self.view.stage.tool = Tool::Hand;
             self.path = None;
             if self.sandbox.document().level.recorded.is_some() {
                 self.apply(None, Command::SetRunning(true));
@@ -103,8 +104,12 @@ impl App {
         match path.to_str().and_then(link::level) {
             Some(Ok(level)) => {
                 let mode = level.mode;
-                if self.start(level) && self.view.presents.is_some() {
-                    self.apply(None, Command::SetMode(mode.into()));
+                if self.start(level) {
+                    let camera = path.to_str().and_then(|address| link::view(address).camera);
+                    self.view.looks.extend(camera.map(Look::From));
+                    if self.view.presents.is_some() {
+                        self.apply(None, Command::SetMode(mode.into()));
+                    }
                 }
                 return;
             }
@@ -154,7 +159,7 @@ impl App {
         if link::is_link(address) {
             self.view.file = Some(FileRequest::File(PathBuf::from(address), Vec::new()));
         }
-        let link::View { embed, wireframe } = link::view(address);
+        let link::View { embed, wireframe, .. } = link::view(address);
         self.view.stage.wireframe |= wireframe;
         if embed {
             self.view.presents = Some(1.0);

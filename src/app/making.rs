@@ -1,6 +1,6 @@
 //! Bodies that are made in the window: drawn by hand, or from a mesh file that is opened or dropped.
 
-use super::{App, panels::Notice};
+use super::{App, canvas::Tool, panels::Notice};
 use crate::{
     command::Command,
     files::{Disk, read_bytes},
@@ -54,9 +54,11 @@ fn fitted(points: &[[f64; 2]]) -> Place {
 impl App {
     /// Makes the bodies that were asked for since the last frame.
     pub(super) fn make(&mut self) {
+        let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_tool());
+        self.view.stage.tool = self.canvas.take_tool().or(of_b).unwrap_or(self.view.stage.tool);
         let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_outline());
         if let Some(outline) = self.canvas.take_outline().or(of_b) {
-            self.view.stage.draws = false;
+            self.view.stage.tool = Tool::Hand;
             self.add_drawn(outline);
         }
         if let Some(mesh) = self.view.new_body.take() {

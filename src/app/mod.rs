@@ -39,7 +39,7 @@ pub use film::{FilmEncoder, FilmFormat};
 pub use stage::Stage;
 
 use arrows::Arrows;
-use canvas::Canvas;
+use canvas::{Canvas, Tool};
 use clock::{Clock, Spent};
 use compare::{Comparison, Pane, PaneRequest, Split, Stage as SplitStage};
 use dialogs::Dialogs;
@@ -499,7 +499,10 @@ impl App {
         let picked: Vec<_> = picked.collect();
         if !picked.is_empty() {
             // What was picked is shown, also where the panel was closed.
-            (self.view.picks, self.view.shows_probes) = (false, true);
+            if self.view.stage.tool == Tool::Probe {
+                self.view.stage.tool = Tool::Hand;
+            }
+            self.view.shows_probes = true;
             (self.view.hidden[1], self.view.drawer) = (false, Some(panels::Side::Right));
         }
         for request in std::mem::take(&mut self.view.probe_requests).into_iter().chain(picked) {
@@ -556,6 +559,12 @@ impl eframe::App for App {
         };
         let (rates, gallery, first) = (self.clock.rates(), &self.gallery, &self.snapshot);
         let (probes, meter) = (&self.probes, &self.meter);
+        let measured = match (&mut stage, panes.filter(|panes| panes.chosen() == Pane::B)) {
+            (Some(stage), Some(panes)) => stage.canvas_mut().measured(panes.snapshot()),
+            _ => None,
+        };
+        // Where there is no ruler in the chosen pane, the one in the other is told.
+        let measured = measured.or_else(|| self.canvas.measured(&self.snapshot));
         let (recent, is_unsaved) = (&self.recent[..], self.is_unsaved());
         let context = PanelContext {
             now,
@@ -563,6 +572,8 @@ impl eframe::App for App {
             gallery,
             history,
             probes,
+            viewpoint: self.canvas.viewpoint(),
+            measured,
             jobs,
             meter,
             comparison: panes,
@@ -576,10 +587,14 @@ impl eframe::App for App {
             canvas.look(look);
         }
         let picks_now = std::mem::take(&mut self.view.picks_now);
+        let removes_ruler = std::mem::take(&mut self.view.removes_ruler);
         let marks: Vec<_> = self.probes.marks().collect();
         for canvas in stage.iter_mut().map(SplitStage::canvas_mut).chain([&mut *canvas]) {
-            canvas.set_probes(marks.clone(), self.view.picks, picks_now);
+            canvas.set_probes(marks.clone(), picks_now);
             canvas.set_earlier(self.view.earlier.clone());
+            if removes_ruler {
+                canvas.clear_ruler();
+            }
         }
         canvas.set_arrows(&self.arrows[0]);
         if let Some(stage) = &mut stage {
@@ -605,6 +620,7 @@ impl eframe::App for App {
             || !self.view.looks.is_empty()
             || !self.view.probe_requests.is_empty()
             || self.view.picks_now
+            || self.view.removes_ruler
             || self.comparison.as_ref().is_some_and(|panes| !panes.stage.asked.is_empty())
             || self.view.cancel_mesh
             || !self.view.film_requests.is_empty()
@@ -641,12 +657,12 @@ fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when it is closed. With a link its level is shown as the link says.
 ///
 /// # Errors
 /// If the level cannot be built, or there is no display to open a window on.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
+pub fn run(level: Option<Level>, link: Option<&str>) -> Result<(), eframe::Error> {
     crate::study::share_partitions(crate::study::threads());
     let viewport = egui::ViewportBuilder::default()
         .with_title("Gingerbread")
@@ -655,7 +671,14 @@ pub fn run(level: Option<Level>) -> Result<(), eframe::Error> {
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size(SMALLEST);
     let options = eframe::NativeOptions { viewport, ..Default::default() };
-    eframe::run_native("Gingerbread", options, Box::new(|cc| Ok(Box::new(App::new(cc, level)?))))
+    let create = |cc: &eframe::CreationContext<'_>| {
+        let mut app = App::new(cc, level)?;
+        if let Some(address) = link {
+            app.open_link(address);
+        }
+        Ok::<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>>(Box::new(app))
+    };
+    eframe::run_native("Gingerbread", options, Box::new(create))
 }
 
 /// The icon of the window, where the system shows one.

@@ -1,4 +1,4 @@
-//! Formats numbers with three significant digits, SI prefix and unit.
+//! Formats numbers with three significant digits, or five where they can be edited, SI prefix and unit.
 
 use crate::quantity::with_unit;
 
@@ -6,15 +6,24 @@ use crate::quantity::with_unit;
 const PREFIXES: [(i32, &str); 9] =
     [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 
+/// Digits of a number that is shown, and of one that can be edited.
+const SHOWN: i32 = 3;
+const EDITED: i32 = 5;
+
 /// Formats a value with its unit for sentences and labels: `0.21 ms`, `30 kPa`, `1.25 J`. Trailing zeros are omitted.
 pub fn si(value: f64, unit: &str) -> String {
-    write(value, unit, true)
+    write(value, unit, true, SHOWN)
+}
+
+/// Formats a value with its unit for fields in which it is edited: as [`si`], with five digits where it has them.
+pub fn si_edited(value: f64, unit: &str) -> String {
+    write(value, unit, true, EDITED)
 }
 
 /// Formats a value with its unit for numbers that change: always three digits, and the same width in a monospace font for all
 /// prefixes and signs.
 pub fn si_fixed(value: f64, unit: &str) -> String {
-    let text = write(value, unit, false);
+    let text = write(value, unit, false, SHOWN);
     let (number, unit_now) = text.split_once(' ').unwrap_or((&text, ""));
     let slot = if unit.is_empty() { 0 } else { unit.chars().count() + usize::from(takes_prefix(unit)) };
     let gap = if unit.is_empty() { "" } else { " " };
@@ -23,25 +32,25 @@ pub fn si_fixed(value: f64, unit: &str) -> String {
 
 /// Divisor and unit with the prefix that suits a value, for rows of numbers that share one unit.
 pub fn unit_for(value: f64, unit: &str) -> (f64, String) {
-    let (power, prefix) = prefix(three_digits(value.abs()).1, unit);
+    let (power, prefix) = prefix(leading(value.abs(), SHOWN).1, unit);
     (10_f64.powi(power), format!("{prefix}{unit}"))
 }
 
-fn write(value: f64, unit: &str, trim: bool) -> String {
+fn write(value: f64, unit: &str, trim: bool, count: i32) -> String {
     if value.is_nan() {
         return "no number".to_owned();
     }
     if value.is_infinite() {
         return with_unit(if value > 0.0 { "∞" } else { "−∞" }, "", unit);
     }
-    let (digits, exponent) = three_digits(value.abs());
+    let (digits, exponent) = leading(value.abs(), count);
     let sign = if value < 0.0 && digits > 0 { "−" } else { "" };
     let (power, prefix) = prefix(exponent, unit);
     let place = exponent - power;
     let number = if (-4..=5).contains(&place) {
-        decimal(digits, place, trim)
+        decimal(digits, place, count, trim)
     } else {
-        format!("{}e{place}", decimal(digits, 0, trim))
+        format!("{}e{place}", decimal(digits, 0, count, trim))
     };
     with_unit(&format!("{sign}{number}"), prefix, unit)
 }
@@ -51,18 +60,19 @@ pub fn or_zero(value: f64, round_off: f64) -> f64 {
     if value.abs() <= round_off { 0.0 } else { value }
 }
 
-/// Three digits and exponent of a value `d.dd * 10^exponent`, rounded once; the digits form a number from 100 to 999, or 0.
-fn three_digits(value: f64) -> (u32, i32) {
-    let text = format!("{value:.2e}");
+/// The first digits of a value, so many, and its exponent, rounded once: three form a number from 100 to 999, or 0, and the value is
+/// `d.dd * 10^exponent`.
+fn leading(value: f64, count: i32) -> (u32, i32) {
+    let text = format!("{value:.0$e}", (count - 1) as usize);
     let (mantissa, exponent) = text.split_once('e').unwrap_or(("0", "0"));
     let digits = mantissa.chars().filter(char::is_ascii_digit).filter_map(|digit| digit.to_digit(10));
     (digits.fold(0, |sum, digit| 10 * sum + digit), exponent.parse().unwrap_or(0))
 }
 
-/// Formats `digits` (three digits) times 10^(place - 2).
-fn decimal(digits: u32, place: i32, trim: bool) -> String {
-    let decimals = (2 - place).max(0) as usize;
-    let text = format!("{:.decimals$}", f64::from(digits) * 10_f64.powi(place - 2));
+/// Formats `digits`, of which there are `count`, times 10^(place + 1 - count).
+fn decimal(digits: u32, place: i32, count: i32, trim: bool) -> String {
+    let decimals = (count - 1 - place).max(0) as usize;
+    let text = format!("{:.decimals$}", f64::from(digits) * 10_f64.powi(place + 1 - count));
     if trim && text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
@@ -92,7 +102,7 @@ fn prefix(exponent: i32, unit: &str) -> (i32, &'static str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{or_zero, si, si_fixed, unit_for};
+    use super::{or_zero, si, si_edited, si_fixed, unit_for};
 
     #[test]
     fn reads_like_prose() {
@@ -124,6 +134,25 @@ mod tests {
             (f64::NAN, "J", "no number"),
         ] {
             assert_eq!(si(value, unit), text, "{value:e} {unit}");
+        }
+    }
+
+    #[test]
+    fn edited_numbers_keep_more_digits() {
+        for (value, unit, text) in [
+            (0.4999, "", "0.4999"),
+            (0.3, "", "0.3"),
+            (1.0 / 9.0, "", "0.11111"),
+            (317_460.3, "Pa", "317.46 kPa"),
+            (30_000.0, "Pa", "30 kPa"),
+            (0.031, "m", "31 mm"),
+            (1234.5, "kg/m³", "1234.5 kg/m³"),
+            (999_999.0, "N", "1 MN"),
+            (-9.80665, "m/s²", "−9.8066 m/s²"),
+            (1.234_56e-7, "", "1.2346e-7"),
+            (0.0, "N", "0 N"),
+        ] {
+            assert_eq!(si_edited(value, unit), text, "{value:e} {unit}");
         }
     }
 

@@ -19,12 +19,53 @@ use crate::{
 use percent_encoding::percent_decode_str;
 
 /// How a page shows its level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct View {
     /// The stage alone.
     pub embed: bool,
     /// With the edges of triangles and all springs.
     pub wireframe: bool,
+    /// From where it is seen.
+    pub camera: Option<Camera>,
+}
+
+/// From where a scene is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    /// In the plane: the point in the middle \[m\], and the scale as a multiple of that at which the whole fits the stage.
+    Plane([f64; 2], f64),
+    /// In space: the point that the eye looks at and the radius about it that fills the stage \[m\], and the turn and the height of the eye
+    /// \[rad\].
+    Space([f64; 3], f64, [f64; 2]),
+}
+
+/// Greatest coordinate of a camera \[m\], and greatest scale.
+const FARTHEST: f64 = 1e12;
+
+impl std::fmt::Display for Camera {
+    /// As in an address, with as many digits as restore the same bits.
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let numbers = match *self {
+            Self::Plane([x, y], scale) => vec![x, y, scale],
+            Self::Space([x, y, z], radius, [yaw, pitch]) => vec![x, y, z, radius, yaw, pitch],
+        };
+        let texts: Vec<_> = numbers.iter().map(|number| format!("{number:e}")).collect();
+        write!(out, "{}", texts.join(","))
+    }
+}
+
+impl std::str::FromStr for Camera {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let number = |text: &str| text.parse().ok().filter(|number: &f64| number.abs() <= FARTHEST);
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Option<_>>().ok_or(())?;
+        match numbers[..] {
+            [x, y, scale] if scale > 0.0 => Ok(Self::Plane([x, y], scale)),
+            [x, y, z, radius, yaw, pitch] if radius > 0.0 => Ok(Self::Space([x, y, z], radius, [yaw, pitch])),
+            _ => Err(()),
+        }
+    }
 }
 
 /// A change of a level, or of how it is shown.
@@ -42,8 +83,8 @@ enum Change {
     Any(fn(&mut Level, &str) -> Option<()>),
     /// It changes the cloth of Princeton's course.
     Princeton(fn(&mut Level, &str) -> Option<()>),
-    /// It changes how a page shows the level.
-    View,
+    /// It changes how a page shows the level, by values that are allowed.
+    View(fn(&str) -> Option<()>),
 }
 
 /// All parameters, in the order in which they act.
@@ -74,9 +115,14 @@ const PARAMETERS: &[Parameter] = &[
     Parameter { name: "avoidClothSelfIntersection", values: "true or false", change: Change::Princeton(separation) },
     Parameter { name: "clothColor", values: "six hexadecimal digits", change: Change::Princeton(colour) },
     Parameter { name: "showClothTexture", values: "true or false", change: Change::Princeton(texture) },
-    Parameter { name: "wireframe", values: "true or false", change: Change::View },
-    Parameter { name: "showConstraints", values: "true or false", change: Change::View },
-    Parameter { name: "embed", values: "true or false", change: Change::View },
+    Parameter { name: "wireframe", values: "true or false", change: Change::View(is_flag) },
+    Parameter { name: "showConstraints", values: "true or false", change: Change::View(is_flag) },
+    Parameter { name: "embed", values: "true or false", change: Change::View(is_flag) },
+    Parameter {
+        name: CAMERA,
+        values: "x,y,scale in the plane, or x,y,z,radius,yaw,pitch in space",
+        change: Change::View(is_camera),
+    },
 ];
 
 /// The parameters in an address: names, and values if they have some. Empty if it has no known one.
@@ -98,7 +144,7 @@ fn parameters(address: &str) -> Vec<(&str, String)> {
 /// Whether an address names a level.
 pub(super) fn names_level(address: &str) -> bool {
     let is_shown_only = |name: &str| {
-        PARAMETERS.iter().any(|parameter| parameter.name == name && matches!(parameter.change, Change::View))
+        PARAMETERS.iter().any(|parameter| parameter.name == name && matches!(parameter.change, Change::View(_)))
     };
     parameters(address).iter().any(|(name, _)| !is_shown_only(name))
 }
@@ -156,7 +202,7 @@ impl Parameter {
                 return Err(refused(format!("{name}: only the cloths of Princeton's course have this parameter")));
             }
             Change::Princeton(change) => change(level, value),
-            Change::View => flag(value).map(drop),
+            Change::View(allows) => allows(value),
         };
         changed.ok_or_else(|| refused(format!("{name}: expected {values}, and that the level has it; got {value:?}")))
     }
@@ -166,7 +212,20 @@ impl Parameter {
 pub fn view(address: &str) -> View {
     let given = parameters(address);
     let is_on = |name: &str| given.iter().any(|(own, value)| *own == name && flag(value) == Some(true));
-    View { embed: is_on("embed"), wireframe: is_on("wireframe") || is_on("showConstraints") }
+    let named = given.iter().find(|(own, _)| *own == CAMERA).map(|(_, value)| value.as_str());
+    let camera = super::camera_text(address).or(named.map(Into::into)).and_then(|text| text.parse().ok());
+    View { embed: is_on("embed"), wireframe: is_on("wireframe") || is_on("showConstraints"), camera }
+}
+
+/// Name of the parameter for the camera.
+const CAMERA: &str = "camera";
+
+fn is_flag(value: &str) -> Option<()> {
+    flag(value).map(drop)
+}
+
+fn is_camera(value: &str) -> Option<()> {
+    value.parse::<Camera>().ok().map(drop)
 }
 
 /// The level that parameters of Princeton's course change.
@@ -484,7 +543,7 @@ mod tests {
         {
             assert_eq!(names_level(address), address.ends_with("&level"), "{address}");
         }
-        assert_eq!(view("?level=chain&embed&wireframe=true"), View { embed: true, wireframe: true });
+        assert_eq!(view("?level=chain&embed&wireframe=true"), View { embed: true, wireframe: true, camera: None });
         assert_eq!(view("?level=chain&embed=false#x?embed"), View::default());
     }
 

@@ -8,6 +8,7 @@ use crate::{
     level::{BodyLevel, EffectLevel, Switch, When},
     materials::Model,
     meshes::MeshKind,
+    scene::Owner,
 };
 
 impl Sandbox {
@@ -90,10 +91,10 @@ impl Sandbox {
             Command::SetWind(on) => set_wind(&mut document, self.simulation.scene(), on)?,
             Command::SetPins(part, pins) => *document.pins_mut(part).ok_or(NO_PART)? = pins,
             Command::TogglePin(vertex) => {
-                let scene = self.simulation.scene();
-                let (owner, local) = scene.owner_of(vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
-                document.toggle_pin(owner, local as u32, &self.pins_of(owner));
+                let is_pinned = self.simulation.scene().pins.binary_search(&(vertex as u32)).is_ok();
+                self.pin(&mut document, &[vertex], !is_pinned)?;
             }
+            Command::PinAll(vertices, pins) => self.pin(&mut document, &vertices, pins)?,
             Command::ClearPins => document.clear_pins(),
             Command::SetPose(pose) => {
                 let test = document.level.test.ok_or(NO_TEST)?;
@@ -114,6 +115,36 @@ impl Sandbox {
         // A changed level leads elsewhere.
         document.level.recorded = None;
         self.change(document, then, gesture)
+    }
+
+    /// Pins vertices of the scene, or frees them.
+    fn pin(&self, document: &mut Document, vertices: &[usize], pins: bool) -> Result<(), Refused> {
+        let scene = self.simulation.scene();
+        let mut owners: Vec<(Owner, Vec<u32>)> = Vec::new();
+        for vertex in vertices {
+            let (owner, local) = scene.owner_of(*vertex).ok_or(Refused::NotHere("there is no such vertex"))?;
+            // Bodies that are shown side by side are one body of the level.
+            let is_same = |other: Owner| match (other, owner) {
+                (Owner::Body(a), Owner::Body(b)) => document.source(a) == document.source(b),
+                (a, b) => a == b,
+            };
+            match owners.iter_mut().find(|(other, _)| is_same(*other)) {
+                Some((_, own)) => own.push(local as u32),
+                None => owners.push((owner, vec![local as u32])),
+            }
+        }
+        for (owner, mut own) in owners {
+            own.sort_unstable();
+            own.dedup();
+            let mut all = self.pins_of(owner);
+            all.retain(|pin| own.binary_search(pin).is_err());
+            if pins {
+                all.append(&mut own);
+                all.sort_unstable();
+            }
+            document.set_pinned(owner, &all);
+        }
+        Ok(())
     }
 
     /// Sets the mesh of a shown body.

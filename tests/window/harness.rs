@@ -1,8 +1,8 @@
 //! The window under test, and the hands that use it.
 
 use eframe::egui::{
-    DroppedFile, Event, Key, Modifiers, PointerButton, Pos2, Rect, Role, Vec2, ViewportCommand, ViewportEvent,
-    ViewportId,
+    DroppedFile, Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Role, Vec2, ViewportCommand,
+    ViewportEvent, ViewportId,
 };
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, Node};
@@ -97,6 +97,40 @@ pub fn click_at(window: &mut Window, pos: Pos2) {
     window.run_steps(1);
     button(window, pos, false);
     window.run_steps(3);
+}
+
+/// What a click copies in one of the next frames.
+pub fn copied(window: &mut Window) -> String {
+    for _ in 0..4 {
+        window.run_steps(1);
+        let commands = &window.output().platform_output.commands;
+        let text = commands.iter().find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+        if let Some(text) = text {
+            return text;
+        }
+    }
+    panic!("nothing was copied: {:?}", window.state().notice());
+}
+
+/// Moves the pointer over the stage from place to place while the button is held.
+pub fn drag(window: &mut Window, places: &[Pos2], modifiers: Modifiers) {
+    window.event(Event::ModifiersChanged(modifiers));
+    window.hover_at(places[0]);
+    window.run_steps(1);
+    let press = |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers };
+    window.event(press(places[0], true));
+    window.run_steps(1);
+    for place in &places[1..] {
+        window.event(Event::PointerMoved(*place));
+        window.run_steps(1);
+    }
+    window.event(press(places[places.len() - 1], false));
+    window.run_steps(2);
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    window.run_steps(1);
 }
 
 /// Presses a vertex and moves the pointer away from it, by so much; returns where it is held.

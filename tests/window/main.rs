@@ -22,5 +22,6 @@ mod recording;
 mod rest;
 mod stage;
 mod studies;
+mod tools;
 mod trouble;
 mod unsaved;

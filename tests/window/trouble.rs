@@ -1,7 +1,7 @@
 //! Files that are broken and bodies that fly apart.
 
 use crate::{folder::Folder, harness::*};
-use eframe::egui::{Key, OutputCommand, Pos2, Rect, Role, epaint::Primitive};
+use eframe::egui::{Key, Pos2, Rect, Role, epaint::Primitive};
 use egui_kittest::kittest::Queryable as _;
 use gingerbread::command::Mode;
 use gingerbread::files::Disk;
@@ -51,25 +51,16 @@ fn a_copied_link_opens_the_level_again_and_a_broken_one_changes_nothing() {
     click_at(&mut window, head);
     let pinned = window.state().snapshot().level.clone();
     assert!(!pinned.bodies[0].pins.is_empty());
+    click(&mut window, "Zoom in");
     click(&mut window, "Level");
     window.get_by_label("Copy link").click();
-    let mut text = None;
-    for _ in 0..4 {
-        window.run_steps(1);
-        let commands = &window.output().platform_output.commands;
-        text = commands.iter().find_map(|command| match command {
-            OutputCommand::CopyText(text) => Some(text.clone()),
-            _ => None,
-        });
-        if text.is_some() {
-            break;
-        }
-    }
-    let link = text.unwrap_or_else(|| panic!("nothing was copied: {:?}", window.state().notice()));
+    let link = copied(&mut window);
+    let seen = on_screen(&window, [0.25, 0.75]);
     choose(&mut window, "Jelly disk");
     window.state_mut().open(Path::new(&format!("https://page.example/{link}")));
     window.run_steps(3);
     assert_eq!(window.state().snapshot().level, pinned);
+    assert!(on_screen(&window, [0.25, 0.75]).distance(seen) < 0.1, "it is seen from the same place");
     window.state_mut().open(Path::new("https://page.example/#level=x"));
     window.run_steps(3);
     assert!(window.state().notice().is_some_and(|notice| notice.contains("not complete")));

@@ -1,14 +1,18 @@
 //! From where the stage is seen: the gestures, buttons and keys that turn, move and zoom.
 
+use super::Tool;
 use crate::{
     app::draw::{
         Camera, Zoom,
         space::{Orbit, SpaceCamera},
     },
+    link,
     snapshot::Snapshot,
 };
-use eframe::egui::{Align2, Area, Order, PointerButton, Pos2, Rect, Response, Ui, Vec2, vec2};
-use std::ops::Range;
+use eframe::egui::{
+    Align2, Area, Button, Order, PointerButton, Pos2, Rect, Response, Ui, Vec2, containers::menu::MenuButton, vec2,
+};
+use std::{f64::consts::FRAC_PI_2, ops::Range};
 
 /// A change of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +25,8 @@ pub enum Look {
     Part,
     /// The whole of a scene in space, from other angles \[rad\].
     Angles([f64; 2]),
+    /// From there, if the scene has as many dimensions.
+    From(link::Camera),
 }
 
 impl Look {
@@ -39,6 +45,16 @@ pub struct Viewpoint {
     pub(super) zoom: Option<Zoom>,
 }
 
+impl Viewpoint {
+    /// The same as a camera, if it is not that of the whole scene in the plane.
+    pub fn camera(&self, dimension: usize) -> Option<link::Camera> {
+        if dimension == 2 {
+            return self.zoom.map(|zoom| link::Camera::Plane(zoom.centre, zoom.factor));
+        }
+        self.orbit.map(|(_, orbit)| link::Camera::Space(orbit.centre, orbit.radius, [orbit.yaw, orbit.pitch]))
+    }
+}
+
 /// The view of a stage.
 #[derive(Default)]
 pub struct Looking {
@@ -49,6 +65,8 @@ pub struct Looking {
     looks: Vec<Look>,
     /// Whether it was changed in the last frame.
     changed: bool,
+    /// Tool that was chosen by the buttons.
+    tool: Option<Tool>,
 }
 
 /// The scene that is seen.
@@ -59,6 +77,8 @@ pub struct Seen<'a> {
     pub part: Option<&'a Range<usize>>,
     /// Whether the stage has no buttons.
     pub bare: bool,
+    /// The tool that is taken.
+    pub tool: Tool,
 }
 
 /// Gestures of a frame.
@@ -104,6 +124,11 @@ impl Looking {
         self.viewpoint = viewpoint;
     }
 
+    /// The tool that was chosen by the buttons since the last call.
+    pub const fn take_tool(&mut self) -> Option<Tool> {
+        self.tool.take()
+    }
+
     /// Changes the view in the next frame.
     pub fn ask(&mut self, look: Look) {
         self.looks.push(look);
@@ -136,7 +161,9 @@ impl Looking {
         let gestures = Gestures::new(ui, response, 2);
         let mut looks = std::mem::take(&mut self.looks);
         if !scene.bare {
-            looks.extend(buttons(ui, response, &[]));
+            let (look, tool) = buttons(ui, response, scene, &[]);
+            looks.extend(look);
+            self.tool = tool.or(self.tool);
         }
         let home_zoom = Zoom { centre: home.world_from_screen(canvas.center()), factor: 1.0 };
         let mut zoom = before.unwrap_or(home_zoom);
@@ -162,7 +189,10 @@ impl Looking {
                     zoom = fitted(points, home, canvas)
                         .map_or(zoom, |zoom| Zoom { factor: zoom.factor.clamp(least, most), ..zoom });
                 }
-                Look::Angles(_) => {}
+                Look::From(link::Camera::Plane(centre, factor)) => {
+                    zoom = Zoom { centre, factor: factor.clamp(least, most) };
+                }
+                Look::Angles(_) | Look::From(link::Camera::Space(..)) => {}
             }
         }
         self.viewpoint.zoom = (zoom != home_zoom).then_some(zoom);
@@ -199,7 +229,9 @@ impl Looking {
         }
         let mut looks = std::mem::take(&mut self.looks);
         if !scene.bare {
-            looks.extend(buttons(ui, response, &ANGLES));
+            let (look, tool) = buttons(ui, response, scene, &ANGLES);
+            looks.extend(look);
+            self.tool = tool.or(self.tool);
         }
         for look in looks {
             let angles = [orbit.yaw, orbit.pitch];
@@ -208,6 +240,11 @@ impl Looking {
                 Look::All => *orbit = Orbit::around(&snapshot.positions, angles),
                 Look::Part => *orbit = Orbit::around(part_of(scene), angles),
                 Look::Angles(angles) => *orbit = Orbit::around(&snapshot.positions, angles),
+                Look::From(link::Camera::Space(centre, radius, [yaw, pitch])) => {
+                    *orbit = Orbit { centre, radius, yaw, pitch: pitch.clamp(-FRAC_PI_2, FRAC_PI_2) };
+                    closer(orbit, 1.0);
+                }
+                Look::From(link::Camera::Plane(..)) => {}
             }
         }
         let orbit = *orbit;
@@ -252,7 +289,6 @@ fn limits(snapshot: &Snapshot, home: Camera, canvas: Rect) -> [f64; 2] {
 
 /// Views of a scene in space: name, tip, angles \[rad\].
 const ANGLES: [(&str, &str, Look); 3] = {
-    use std::f64::consts::FRAC_PI_2;
     [
         ("Front", "Look along the z axis.", Look::Angles([0.0, 0.0])),
         ("Side", "Look along the x axis.", Look::Angles([FRAC_PI_2, 0.0])),
@@ -261,7 +297,12 @@ const ANGLES: [(&str, &str, Look); 3] = {
 };
 
 /// Draws the buttons of the view, after some others, and returns what was clicked.
-fn buttons(ui: &Ui, response: &Response, others: &[(&str, &str, Look)]) -> Option<Look> {
+fn buttons(
+    ui: &Ui,
+    response: &Response,
+    scene: Seen<'_>,
+    others: &[(&str, &str, Look)],
+) -> (Option<Look>, Option<Tool>) {
     let in_space = !others.is_empty();
     let help = if in_space {
         "\nDrag with the right button to turn, with the middle button or Shift to move; zoom with the wheel."
@@ -278,15 +319,32 @@ fn buttons(ui: &Ui, response: &Response, others: &[(&str, &str, Look)]) -> Optio
     let shown = area.constrain_to(response.rect).show(ui.ctx(), |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let mut clicked = None;
+            let (tool, mut clicked) = (tools(ui, scene), None);
             let others = others.iter().map(|(name, about, look)| (*name, *name, *about, *look));
             for (text, name, about, look) in others.chain(zooms) {
                 let button = ui.small_button(text).on_hover_text(format!("{about}{help}")).accessible_name(name);
                 clicked = button.clicked().then_some(look).or(clicked);
             }
-            clicked
+            (clicked, tool)
         })
         .inner
     });
     shown.inner
+}
+
+/// Shows the menu of tools. Returns the one that is chosen.
+fn tools(ui: &mut Ui, Seen { snapshot, tool, .. }: Seen<'_>) -> Option<Tool> {
+    if snapshot.toy.is_some() {
+        return None;
+    }
+    let mut chosen = None;
+    let (button, _) = MenuButton::from_button(Button::new(tool.name()).small()).ui(ui, |ui| {
+        for other in Tool::CHOICES {
+            if ui.selectable_label(other == tool, other.name()).on_hover_text(other.about()).clicked() {
+                chosen = Some(other);
+            }
+        }
+    });
+    button.on_hover_text("What a click or a drag on the stage does. [Esc: the hand]").accessible_name("Tool");
+    chosen
 }

@@ -1,12 +1,15 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
 mod drawing;
+mod enclosure;
 mod look;
 mod pointer_state;
 mod probing;
+mod ruler;
 pub use look::{Look, Viewpoint};
 pub(super) use pointer_state::nearest as nearest_on_screen;
 pub use probing::ProbeMark;
+pub use ruler::Measured;
 #[cfg(test)]
 mod tests;
 
@@ -37,12 +40,14 @@ use crate::{
 };
 use drawing::Drawing;
 use eframe::egui::{
-    self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, Pos2, Rect, Response, Role, Sense, Ui, Vec2,
-    WidgetInfo, vec2,
+    self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, PointerButton, Pos2, Rect, Response, Role,
+    Sense, Ui, Vec2, WidgetInfo, vec2,
 };
+use enclosure::{Around, Enclosure};
 use look::{Looking, Seen};
 use pointer_state::{PointerState, Sight};
 use probing::Probing;
+use ruler::Ruler;
 use std::{ops::Range, time::Duration};
 
 /// Maximum frame length for animations \[s\].
@@ -55,9 +60,84 @@ const TOLD: f64 = 5.0;
 const NOTHING_MOVES: &str =
     "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
 
-/// Text of the hint while an outline is drawn.
-const DRAW: &str =
-    "Draw a closed line, or click corner after corner. The first corner or Enter ends the outline; Esc cancels.";
+/// What a click or a drag on the stage does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// In edit mode a click pins or frees a vertex. In the other modes a drag pulls one.
+    #[default]
+    Hand,
+    /// A drag pushes what is near its start, in its direction.
+    Push,
+    /// A click blows apart what is near.
+    Burst,
+    /// A click probes.
+    Probe,
+    /// Draws the outline of a body.
+    Outline,
+    /// A drag pins or frees all vertices in a box.
+    PinBox,
+    /// A drag pins or frees all vertices inside a line.
+    PinLine,
+    /// Clicks or a drag place the points of a ruler.
+    Ruler,
+}
+
+impl Tool {
+    /// The tools in the menu on the stage.
+    pub const CHOICES: [Self; 7] =
+        [Self::Hand, Self::Push, Self::Burst, Self::Probe, Self::Ruler, Self::PinBox, Self::PinLine];
+
+    /// Its name in the menu.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hand => "Hand",
+            Self::Push => "Push",
+            Self::Burst => "Burst",
+            Self::Probe => "Probe",
+            Self::Outline => "Draw",
+            Self::PinBox => "Pin in a box",
+            Self::PinLine => "Pin inside a line",
+            Self::Ruler => "Ruler",
+        }
+    }
+
+    /// What it does.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Hand => "In edit mode a click pins or frees a vertex. While time runs a drag pulls one.",
+            Self::Push => {
+                "A drag pushes what is near its start, in its direction. [Arrows push what is under the pointer]"
+            }
+            Self::Burst => "A click blows apart what is near. [X]",
+            Self::Probe => "A click probes a vertex or a triangle. [P]",
+            Self::Outline => "Draws the outline of a body.",
+            Self::PinBox => "A drag draws a box and pins what is in it. [Shift and a drag in edit mode]",
+            Self::PinLine => "A drag draws a line around vertices and pins them.",
+            Self::Ruler => "Measures distances and angles.",
+        }
+    }
+
+    /// What to do with it, shown on the stage.
+    const fn hint(self) -> Option<&'static str> {
+        match self {
+            Self::Hand | Self::Probe => None,
+            Self::Push => {
+                Some("Drag to push what is near, in the direction of the drag. Nothing moves in edit mode. Esc ends.")
+            }
+            Self::Burst => Some("Click to blow apart what is near. Nothing moves in edit mode. Esc ends."),
+            Self::Outline => Some(
+                "Draw a closed line, or click corner after corner. The first corner or Enter ends the outline; Esc cancels.",
+            ),
+            Self::PinBox => Some("Draw a box around vertices: they are pinned, or freed if all are pinned. Esc ends."),
+            Self::PinLine => {
+                Some("Draw a line around vertices: they are pinned, or freed if all are pinned. Esc ends.")
+            }
+            Self::Ruler => Some(
+                "Drag, or click two points; a third click measures the angle. A click on a vertex takes it along. Esc ends.",
+            ),
+        }
+    }
+}
 
 /// Display options of the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,8 +156,8 @@ pub struct Options {
     pub arrows: ArrowKind,
     /// Solid whose sliders are under the pointer: number of its effect, and number of the solid in it.
     pub pointed: Option<[usize; 2]>,
-    /// Whether an outline is drawn.
-    pub draws: bool,
+    /// What a click or a drag does.
+    pub tool: Tool,
     /// Whether the stage is drawn without its buttons.
     pub bare: bool,
     /// Accessible name of the stage, where there are two.
@@ -102,6 +182,12 @@ pub struct Canvas {
     looking: Looking,
     probing: Probing,
     drawing: Drawing,
+    enclosure: Enclosure,
+    ruler: Ruler,
+    /// Where the drag of a push began.
+    push_from: Option<Pos2>,
+    /// The tool that was chosen on the stage.
+    chosen_tool: Option<Tool>,
     ghost: Ghost,
     arrows: Arrows,
     /// Earlier shape that is drawn too.
@@ -136,7 +222,7 @@ impl Canvas {
         let canvas = response.rect;
         self.size = canvas.size();
         let part = response.hover_pos().and_then(|at| self.part_at(snapshot, at));
-        let scene = Seen { snapshot, part: part.as_ref(), bare: options.bare };
+        let scene = Seen { snapshot, part: part.as_ref(), bare: options.bare, tool: options.tool };
         let space = (snapshot.dimension == 3).then(|| self.looking.follow_space(ui, &response, scene));
         let camera = match space {
             Some(space) => Camera::of_scale(canvas, space.length()),
@@ -155,16 +241,24 @@ impl Canvas {
         let sight = sight(&frame, &self.surfaces);
         let picked = self.picked_target(&response, &frame);
         self.probing.found = picked.or(self.probing.found);
-        let draws = options.draws && space.is_none();
-        self.drawing.follow(&response, camera, draws);
-        if !self.probing.picks && !draws {
-            self.pointer_state.follow(&response, snapshot, sight, self.bodies.points(), commands);
+        let tool = if space.is_some() && options.tool == Tool::Outline { Tool::Hand } else { options.tool };
+        let points = self.bodies.points();
+        self.drawing.follow(&response, camera, tool == Tool::Outline);
+        self.ruler.follow(&response, sight, (snapshot, points), tool == Tool::Ruler);
+        let around = around(ui, snapshot, tool);
+        commands.extend(self.enclosure.follow(&response, around, (snapshot, points)));
+        if self.enclosure.is_open() {
+            self.pointer_state.spend();
+        }
+        if tool == Tool::Hand {
+            self.pointer_state.follow(&response, snapshot, sight, points, commands);
         }
         commands.extend(self.impulse(&response, &frame).map(Command::Impulse));
+        self.chosen_tool = self.looking.take_tool().or(self.chosen_tool);
         if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
-        self.tell(&response, snapshot, (now, draws));
+        self.tell(&response, snapshot, (now, tool));
         self.animate(&response, &frame);
         if ui.is_rect_visible(canvas) {
             self.draw(&painter, &frame, response.hover_pos());
@@ -196,9 +290,19 @@ impl Canvas {
         self.looking.plane(camera(snapshot, stage), stage)
     }
 
-    /// Shows the marks of probes, and says whether a click probes, or what is under the pointer in the next frame.
-    pub fn set_probes(&mut self, marks: Vec<ProbeMark>, picks: bool, now: bool) {
-        self.probing = Probing { marks, picks, now, found: self.probing.found };
+    /// Shows the marks of probes, and says whether what is under the pointer is probed in the next frame.
+    pub fn set_probes(&mut self, marks: Vec<ProbeMark>, now: bool) {
+        self.probing = Probing { marks, now, found: self.probing.found };
+    }
+
+    /// What the ruler measures now, if it has two points.
+    pub fn measured(&self, snapshot: &Snapshot) -> Option<Measured> {
+        self.ruler.measured(snapshot)
+    }
+
+    /// Removes the points of the ruler.
+    pub fn clear_ruler(&mut self) {
+        self.ruler.clear();
     }
 
     /// Draws an earlier shape too, or none.
@@ -216,6 +320,11 @@ impl Canvas {
         self.drawing.take()
     }
 
+    /// The tool that was chosen on the stage since the last call.
+    pub const fn take_tool(&mut self) -> Option<Tool> {
+        self.chosen_tool.take()
+    }
+
     /// What was probed since the last call.
     pub const fn take_target(&mut self) -> Option<Target> {
         self.probing.found.take()
@@ -223,7 +332,7 @@ impl Canvas {
 
     /// What is probed in this frame.
     fn picked_target(&self, response: &Response, frame: &Frame<'_>) -> Option<Target> {
-        let clicked = self.probing.picks && response.clicked();
+        let clicked = frame.options.tool == Tool::Probe && response.clicked();
         let at = response.hover_pos().filter(|_| self.probing.now || clicked)?;
         let (snapshot, points) = (frame.snapshot, self.bodies.points());
         let triangle = match frame.space {
@@ -243,8 +352,8 @@ impl Canvas {
         all.find(|vertices| vertices.contains(&vertex)).cloned()
     }
 
-    /// The impulse that a key gives what is near the pointer.
-    fn impulse(&self, response: &Response, frame: &Frame<'_>) -> Option<Impulse> {
+    /// The impulse that a key gives what is near the pointer, or a tool what is near a click or a drag.
+    fn impulse(&mut self, response: &Response, frame: &Frame<'_>) -> Option<Impulse> {
         const PUSHES: [(Key, Vec2); 4] = [
             (Key::ArrowLeft, vec2(-1.0, 0.0)),
             (Key::ArrowRight, vec2(1.0, 0.0)),
@@ -252,12 +361,15 @@ impl Canvas {
             (Key::ArrowDown, vec2(0.0, 1.0)),
         ];
         let (ctx, snapshot) = (&response.ctx, frame.snapshot);
-        let at = response.hover_pos().filter(|_| snapshot.mode != Mode::Edit && self.pointer_state.is_free())?;
-        let pressed = |key: Key| ctx.input(|input| input.modifiers.is_none() && input.key_pressed(key));
-        let push = PUSHES.into_iter().find(|(key, _)| pressed(*key)).map(|(_, way)| way);
-        if ctx.text_edit_focused() || push.is_none() && !pressed(Key::X) {
-            return None;
-        }
+        let drawn = self.drawn_impulse(response, frame.options.tool);
+        let free = snapshot.mode != Mode::Edit && self.pointer_state.is_free();
+        let by_key = || {
+            let at = response.hover_pos()?;
+            let pressed = |key: Key| ctx.input(|input| input.modifiers.is_none() && input.key_pressed(key));
+            let push = PUSHES.into_iter().find(|(key, _)| pressed(*key)).map(|(_, way)| way);
+            (!ctx.text_edit_focused() && (push.is_some() || pressed(Key::X))).then_some((at, push))
+        };
+        let (at, push) = drawn.or_else(by_key).filter(|_| free)?;
         let sight = sight(frame, &self.surfaces);
         let vertex = sight.nearest(self.bodies.points(), at)?;
         let size = snapshot.dimension;
@@ -271,28 +383,46 @@ impl Canvas {
         });
         let diagonal = extents.map(|extent| extent * extent).sum::<f64>().sqrt();
         let Some(way) = push else { return Some(Impulse::burst(centre, diagonal)) };
-        // The focus has already reacted to the arrow key.
-        ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+        if drawn.is_none() {
+            // The focus has already reacted to the arrow key.
+            ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+        }
         let [from, to] = [at, at + way].map(|at| sight.target(at, vertex));
         let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
         let length = along.iter().map(|part| part * part).sum::<f64>().sqrt();
         Some(Impulse::push(centre, along.map(|part| part / length), diagonal))
     }
 
-    /// Shows a hint after a drag in edit mode, where nothing moves, and while an outline is drawn.
-    fn tell(&mut self, response: &Response, snapshot: &Snapshot, (now, draws): (f64, bool)) {
+    /// Where a tool pushes, and in which direction on the screen; without one it is a burst.
+    fn drawn_impulse(&mut self, response: &Response, tool: Tool) -> Option<(Pos2, Option<Vec2>)> {
+        /// Shortest drag of a push [points].
+        const SHORTEST: f32 = 6.0;
+        if tool == Tool::Burst && response.clicked_by(PointerButton::Primary) {
+            return Some((response.interact_pointer_pos()?, None));
+        }
+        if tool == Tool::Push && response.drag_started_by(PointerButton::Primary) {
+            self.push_from = response.ctx.input(|input| input.pointer.press_origin());
+        }
+        if !response.drag_stopped_by(PointerButton::Primary) {
+            return None;
+        }
+        let from = self.push_from.take().filter(|_| tool == Tool::Push)?;
+        let way = response.interact_pointer_pos()? - from;
+        (way.length() >= SHORTEST).then(|| (from, Some(way.normalized())))
+    }
+
+    /// Shows a hint after a drag in edit mode, where nothing moves, and for the tools that need one.
+    fn tell(&mut self, response: &Response, snapshot: &Snapshot, (now, tool): (f64, Tool)) {
         if snapshot.mode != Mode::Edit {
             self.told_until = 0.0;
         }
         let left = self.told_until - now;
-        if left <= 0.0 && !draws {
-            return;
-        }
+        let told = (left > 0.0).then_some(NOTHING_MOVES);
+        let Some(text) = tool.hint().or(told) else { return };
         let (ctx, stage) = (&response.ctx, response.rect);
         if left > 0.0 {
             ctx.request_repaint_after(Duration::from_secs_f64(left));
         }
-        let text = if draws { DRAW } else { NOTHING_MOVES };
         let place = stage.center_bottom() - vec2(0.0, 14.0);
         let area = Area::new(response.id.with("told")).order(Order::Foreground).interactable(false);
         area.pivot(Align2::CENTER_BOTTOM).fixed_pos(place).constrain_to(stage).show(ctx, |ui| {
@@ -304,7 +434,7 @@ impl Canvas {
     fn animate(&mut self, response: &Response, frame: &Frame<'_>) {
         let (snapshot, dt) = (frame.snapshot, frame.dt);
         let live = snapshot.running && snapshot.mode != Mode::Edit && !snapshot.is_asleep();
-        let selects = !self.probing.picks && !frame.options.draws;
+        let selects = frame.options.tool == Tool::Hand && !self.enclosure.is_open();
         let wanted = match self.pointer_state.vertex().filter(|_| selects) {
             Some(vertex) => Some(vertex),
             None if self.pointer_state.is_free() && selects => {
@@ -329,7 +459,7 @@ impl Canvas {
         if live || moving {
             response.ctx.request_repaint();
         }
-        if self.probing.picks || frame.options.draws {
+        if !selects {
             response.ctx.set_cursor_icon(CursorIcon::Crosshair);
         } else if wanted.is_some() {
             let pulling = self.pointer_state.is_pulling();
@@ -387,7 +517,9 @@ impl Canvas {
         self.pins.draw(&mut self.front, view, points, now);
         self.probing.draw(&mut self.front, view, snapshot, points);
         self.drawing.draw(&mut self.front, view, pointer);
+        self.enclosure.draw(&mut self.front, view);
         let sight = sight(frame, &self.surfaces);
+        self.ruler.draw(&mut self.front, view, sight, points);
         if let Some(moment) = &self.earlier {
             self.ghost.draw(&mut self.front, view, snapshot, moment, |point| sight.seen(point));
         }
@@ -413,11 +545,22 @@ impl Canvas {
         if !options.bare {
             legends::scale_bar(painter, view, canvas);
             arrows::legend(painter, view, canvas, &self.arrows);
-            self.probing.write(painter, view, canvas, snapshot, self.bodies.points());
+            self.probing.write(painter, view, canvas, snapshot, points);
+            self.ruler.write(painter, (view, canvas), snapshot, (sight, points));
         }
         if let Some((pull, ends)) = pull {
             marks::pull_force(painter, view, canvas, ends, pull);
         }
+    }
+}
+
+/// What a drag draws around vertices: with the tools for it, and in edit mode with Shift.
+fn around(ui: &Ui, snapshot: &Snapshot, tool: Tool) -> Option<Around> {
+    match tool {
+        Tool::PinBox => Some(Around::Box),
+        Tool::PinLine => Some(Around::Line),
+        Tool::Hand if snapshot.mode == Mode::Edit && ui.input(|input| input.modifiers.shift) => Some(Around::Box),
+        _ => None,
     }
 }
 

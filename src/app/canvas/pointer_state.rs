@@ -113,6 +113,13 @@ impl PointerState {
         matches!(*self, Self::Pin { origin, .. } if at.is_some_and(|at| at.distance(origin) >= STILL))
     }
 
+    /// Takes the effect from the press, if there is one.
+    pub fn spend(&mut self) {
+        if !self.is_free() {
+            *self = Self::Spent;
+        }
+    }
+
     /// Updates the state for a frame. `points` are the vertices on the screen.
     pub fn follow(
         &mut self,

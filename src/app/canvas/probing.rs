@@ -24,8 +24,6 @@ pub struct ProbeMark {
 pub struct Probing {
     /// Marks of all probes.
     pub marks: Vec<ProbeMark>,
-    /// Whether the next click probes.
-    pub picks: bool,
     /// Whether what is under the pointer is probed in this frame.
     pub now: bool,
     /// What was probed.

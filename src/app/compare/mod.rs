@@ -335,6 +335,15 @@ fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
             let twin = counterpart(here, there, vertex).filter(|twin| !there.pins.contains(&(*twin as u32)));
             twin.map(Command::TogglePin).into_iter().collect()
         }
+        Command::PinAll(ref vertices, true) => {
+            let free = |twin: &usize| !there.pins.contains(&(*twin as u32));
+            let twins = vertices.iter().filter_map(|vertex| counterpart(here, there, *vertex)).filter(free).collect();
+            vec![Command::PinAll(twins, true)]
+        }
+        Command::PinAll(ref vertices, false) => {
+            let is_freed = |pin: &usize| counterpart(there, here, *pin).is_some_and(|own| vertices.contains(&own));
+            vec![Command::PinAll(there.pins.iter().map(|pin| *pin as usize).filter(is_freed).collect(), false)]
+        }
         Command::SetMaterial(body, material) => {
             let model = to.shown.bodies.get(body).map_or(material.model(), |body| body.material.model());
             vec![Command::SetMaterial(body, material.with_model(model))]

@@ -5,7 +5,7 @@ use super::{
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    app::files::stem,
+    app::{canvas::Tool, files::stem},
     command::{Command, Pose},
     elements::ElementKind,
     level::{MassLevel, MembraneLevel, NetLevel, Pin},
@@ -48,13 +48,13 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
             element(ui, number, body.element, commands);
-            pins(ui, view.body, &body.pins, commands);
+            pins(ui, view.body, &body.pins, view, commands);
             if others && level.test.is_none() && ui.button("Remove this body").clicked() {
                 commands.push(Command::RemoveBody(number));
             }
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
-            pins(ui, view.body, &listed.pins, commands);
+            pins(ui, view.body, &listed.pins, view, commands);
             if now.nets.get(number).is_some_and(|net| !net.faces.is_empty()) {
                 finish::show(ui, number, &listed.finish, number + level.membranes.len(), view, commands);
             }
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         {
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, (number, view.body), listed, area, view, commands);
-            pins(ui, view.body, &listed.pins, commands);
+            pins(ui, view.body, &listed.pins, view, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
         }
     });
@@ -73,15 +73,15 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     if now.toy.is_some() || now.level.test.is_some() || now.dimension == 3 {
         return;
     }
-    if view.stage.draws {
+    if view.stage.tool == Tool::Outline {
         if ui.button("Cancel the outline").clicked() {
-            view.stage.draws = false;
+            view.stage.tool = Tool::Hand;
         }
         return;
     }
     ui.menu_button("Add a body", |ui| {
         if ui.button("Draw its outline…").on_hover_text("By one drag, or corner after corner by clicks.").clicked() {
-            (view.stage.draws, view.drawer) = (true, None);
+            (view.stage.tool, view.drawer) = (Tool::Outline, None);
         }
         let help = "A mesh of triangles (OBJ, Gmsh MSH), or the outlines in a drawing (SVG) or a black-and-white picture (PNG). It is scaled to half of the stage.";
         if ui.button("From a file…").on_hover_text(help).clicked() {
@@ -107,7 +107,11 @@ pub fn export(ui: &mut Ui, now: &Snapshot, view: &mut View) {
 }
 
 /// Draws a menu of the pins of a body, net or membrane (by number).
-fn pins(ui: &mut Ui, part: usize, now: &[Pin], commands: &mut Vec<Command>) {
+fn pins(ui: &mut Ui, part: usize, now: &[Pin], view: &mut View, commands: &mut Vec<Command>) {
+    const TOOLS: [(&str, Tool, &str); 2] = [
+        ("In a box…", Tool::PinBox, "A drag draws it on the stage. In edit mode also a drag with Shift."),
+        ("Inside a line…", Tool::PinLine, "A drag draws it on the stage."),
+    ];
     // Random pins that are chosen again are others.
     let seed =
         now.iter().find_map(|pin| if let Pin::Random { seed, .. } = pin { Some(seed.wrapping_add(1)) } else { None });
@@ -129,6 +133,12 @@ fn pins(ui: &mut Ui, part: usize, now: &[Pin], commands: &mut Vec<Command>) {
             for (name, pins) in modes {
                 if ui.selectable_label(name == chosen, name).clicked() {
                     commands.extend([Command::SetPins(part, pins.to_vec()), Command::EndGesture]);
+                }
+            }
+            ui.separator();
+            for (name, tool, about) in TOOLS {
+                if ui.button(name).on_hover_text(about).clicked() {
+                    (view.stage.tool, view.drawer) = (tool, None);
                 }
             }
         });

@@ -6,11 +6,13 @@ use super::{
 };
 use crate::{
     app::{
+        canvas::{Measured, Tool},
         numbers,
         probes::{ProbeRequest, Probes, Reading},
         theme::Theme,
     },
     probe::{Column, Probe},
+    snapshot::Snapshot,
 };
 use eframe::egui::{
     self, Align, Align2, Button, CollapsingHeader, Color32, Layout, Popup, RichText, Sense, Ui, WidgetInfo, vec2,
@@ -29,14 +31,18 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         heading_here(ui, "Probes");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             add(ui, context, view);
+            ruler_button(ui, context, view);
             if !context.probes.readings().is_empty() {
                 let level = &context.now.level;
                 plotting::export_buttons(ui, view, Figure::Probes, &level.name, || context.probes.csv(level));
             }
         });
     });
-    if view.picks {
+    if view.stage.tool == Tool::Probe {
         ui.label(RichText::new("Click a vertex or a triangle on the stage.").small().weak());
+    }
+    if let Some(measured) = context.measured {
+        ruler(ui, context.now, &measured, view);
     }
     let mut color = 0;
     for (place, reading) in context.probes.readings().iter().enumerate() {
@@ -49,20 +55,71 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     plotting::pose(ui, view, Figure::Probes, rect);
 }
 
+/// Draws the button that takes the ruler, or puts it away.
+fn ruler_button(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
+    if context.now.toy.is_some() {
+        return;
+    }
+    let is_taken = view.stage.tool == Tool::Ruler;
+    let button = Button::selectable(is_taken, RichText::new("Ruler").small()).small().min_size(vec2(34.0, 20.0));
+    let about = "Measures distances and angles between points on the stage. A point on a vertex moves with it.";
+    if ui.add(button).on_hover_text(about).clicked() {
+        (view.stage.tool, view.drawer) = if is_taken { (Tool::Hand, view.drawer) } else { (Tool::Ruler, None) };
+    }
+}
+
+/// Draws what the ruler measures.
+fn ruler(ui: &mut Ui, now: &Snapshot, measured: &Measured, view: &mut View) {
+    let names = ["dx", "dy", "dz"].into_iter().take(now.dimension);
+    let mut rows = vec![("Distance", measured.length(), "m")];
+    rows.extend(names.zip(measured.along).map(|(name, along)| (name, along, "m")));
+    if now.dimension == 2 {
+        rows.push(("Slope", measured.slope().to_degrees(), "°"));
+    }
+    rows.extend(measured.stretch().map(|stretch| ("Over that at the start", stretch, "")));
+    rows.extend(measured.corner.map(|corner| ("Angle at the second point", corner.to_degrees(), "°")));
+    CollapsingHeader::new("Ruler").id_salt("ruler").default_open(true).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let button = |ui: &mut Ui, text: &str, about: &str| {
+                let button = Button::new(RichText::new(text).small()).small();
+                ui.add(button).on_hover_text(about).accessible_name(format!("{text}: Ruler"))
+            };
+            if button(ui, "Copy", "Copies the numbers, with all their digits.").clicked() {
+                let lines: Vec<_> =
+                    rows.iter().map(|(name, value, unit)| format!("{name}\t{value:e}\t{unit}")).collect();
+                ui.ctx().copy_text(lines.join("\n"));
+            }
+            view.removes_ruler |= button(ui, "Remove", "Removes the ruler.").clicked();
+        });
+        for (name, value, unit) in &rows {
+            ui.horizontal(|ui| {
+                ui.label(*name);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    ui.monospace(fixed(*value, unit)).on_hover_text(format!("{value:.16e} {unit}"));
+                });
+            });
+        }
+    });
+}
+
 /// Draws the menu that adds a probe.
 fn add(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
-    let text = if view.picks { "Cancel" } else { "Add…" };
+    let picks = view.stage.tool == Tool::Probe;
+    let text = if picks { "Cancel" } else { "Add…" };
     let button = Button::new(RichText::new(text).small()).small().min_size(vec2(34.0, 20.0));
     let button = ui.add(button).on_hover_text("Adds a probe. [P probes what is under the pointer]");
-    let button = button.accessible_name(if view.picks { "Cancel the probe" } else { "Add a probe" });
-    if view.picks {
-        view.picks = !button.clicked();
+    let button = button.accessible_name(if picks { "Cancel the probe" } else { "Add a probe" });
+    if picks {
+        if button.clicked() {
+            view.stage.tool = Tool::Hand;
+        }
         return;
     }
     Popup::menu(&button).show(|ui| {
         let now = context.now;
         if now.toy.is_none() && ui.button("On the stage…").on_hover_text("The next click probes. [P]").clicked() {
-            (view.picks, view.drawer) = (true, None);
+            (view.stage.tool, view.drawer) = (Tool::Probe, None);
         }
         let is_there = |probe: &Probe| match probe {
             Probe::Numbers => now.toy.is_some(),

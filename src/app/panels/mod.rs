@@ -30,7 +30,7 @@ pub use overlays::{Choice, Prompt, Unsaved};
 pub use plotting::Export;
 
 use super::{
-    canvas,
+    canvas::{self, Tool},
     clock::{Pace, Rates},
     compare::{self as panes, Comparison},
     draw::ghost::EarlierShape,
@@ -105,12 +105,12 @@ pub struct View {
     pub film: Option<film::Progress>,
     /// Earlier shape that is drawn too.
     pub earlier: Option<EarlierShape>,
-    /// Whether the next click on the stage probes.
-    pub picks: bool,
     /// Whether what is under the pointer is probed.
     pub picks_now: bool,
     /// Whether the panel scrolls to the probes, because one was added.
     pub shows_probes: bool,
+    /// Whether the ruler is removed.
+    pub removes_ruler: bool,
     /// Changes of the probes.
     pub probe_requests: Vec<ProbeRequest>,
     /// A body that is added.
@@ -227,6 +227,10 @@ pub struct PanelContext<'a> {
     pub history: &'a History,
     /// Probes and what they measured.
     pub probes: &'a Probes,
+    /// From where the scene is seen.
+    pub viewpoint: canvas::Viewpoint,
+    /// What the ruler measures.
+    pub measured: Option<canvas::Measured>,
     /// Study jobs.
     pub jobs: &'a Jobs,
     /// Cost of effects in a frame, while the ledger is open.
@@ -322,7 +326,7 @@ fn close_by_key(ctx: &egui::Context, view: &mut View) {
         || egui::Popup::is_any_open(ctx);
     if !means_else && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
         view.toggles_presentation |= view.presents.is_some();
-        (view.studies.open, view.hard.open, view.picks, view.stage.draws) = (false, false, false, false);
+        (view.studies.open, view.hard.open, view.stage.tool) = (false, false, Tool::Hand);
     }
 }
 

@@ -126,7 +126,7 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             view.file = Some(FileRequest::Save);
             ui.close();
         }
-        let about = "Copy a link to the page in a browser that opens this level at its start, with pins and sliders as they are now.";
+        let about = "Copy a link to the page in a browser that opens this level at its start, with pins, sliders and view as they are now.";
         if ui.button("Copy link").on_hover_text(about).clicked() {
             view.notice = Some(copy_link(ui, context));
             ui.close();
@@ -136,7 +136,12 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
 
 /// Copies a link to the level. Returns what there is to say about it.
 fn copy_link(ui: &Ui, context: &PanelContext<'_>) -> Notice {
-    match link::fragment(&context.now.level) {
+    let level = &context.now.level;
+    let fragment = match context.viewpoint.camera(context.now.dimension) {
+        Some(camera) => link::fragment_seen_from(level, camera),
+        None => link::fragment(level),
+    };
+    match fragment {
         Ok(fragment) => {
             let page = dialogs::page();
             let text = if page.is_empty() {

@@ -151,7 +151,7 @@ pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut
     ui.horizontal(|ui| {
         let label = ui.label(capitalised(options.name)).on_hover_text(options.help);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let shown = numbers::si(value, options.unit);
+            let shown = numbers::si_edited(value, options.unit);
             let widget = DragValue::from_get_set(|new| {
                 // A field that loses focus without a change must not round the value to the shown digits.
                 if let Some(new) = new.filter(|new| Some(*new) != parse(&shown, options.unit)) {
@@ -162,7 +162,7 @@ pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut
             .speed(if options.logarithmic { 0.01 * value.abs() } else { 0.002 * (options.range.1 - options.range.0) })
             .update_while_editing(false)
             .min_size(vec2(84.0, 20.0))
-            .custom_formatter(|value, _| numbers::si(value, options.unit))
+            .custom_formatter(|value, _| numbers::si_edited(value, options.unit))
             .custom_parser(|text| {
                 let number = parse(text, options.unit);
                 if number.is_none() {

@@ -1,0 +1,178 @@
+//! Tools on the stage: boxes and lines that pin, and the ruler.
+
+use crate::harness::*;
+use eframe::egui::{Event, Key, Modifiers, Pos2, Role, pos2, vec2};
+use egui_kittest::kittest::Queryable as _;
+use gingerbread::command::Mode;
+
+/// Vertices of a scene in the plane that are seen between two corners.
+fn between(window: &Window, [least, greatest]: [Pos2; 2]) -> Vec<u32> {
+    let count = window.state().snapshot().vertex_count();
+    let is_within = |number: &u32| {
+        let at = on_screen(window, vertex(window, *number as usize));
+        at.x > least.x && at.x < greatest.x && at.y > least.y && at.y < greatest.y
+    };
+    (0..count as u32).filter(is_within).collect()
+}
+
+#[test]
+fn a_drag_with_shift_in_edit_mode_pins_what_is_in_its_box() {
+    let mut window = open("gingerbread");
+    let head = on_screen(&window, vertex(&window, 0));
+    let corners = [head - vec2(60.0, 40.0), head + vec2(60.0, 50.0)];
+    let inside = between(&window, corners);
+    assert!(inside.len() > 10, "{}", inside.len());
+    drag(&mut window, &[corners[0], head, corners[1]], Modifiers::SHIFT);
+    assert_eq!(*window.state().snapshot().pins, inside);
+    // Once more frees them, as all of them are pinned; one change is undone at a time.
+    drag(&mut window, &[corners[1], head, corners[0]], Modifiers::SHIFT);
+    assert!(window.state().snapshot().pins.is_empty());
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(*window.state().snapshot().pins, inside);
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(window.state().snapshot().pins.is_empty());
+    // Escape in the middle of it cancels.
+    window.event(Event::ModifiersChanged(Modifiers::SHIFT));
+    window.hover_at(corners[0]);
+    window.run_steps(1);
+    button(&window, corners[0], true);
+    window.run_steps(1);
+    window.event(Event::PointerMoved(corners[1]));
+    window.run_steps(2);
+    press(&mut window, Key::Escape);
+    button(&window, corners[1], false);
+    window.run_steps(2);
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    assert!(window.state().snapshot().pins.is_empty(), "it was cancelled");
+    // A box around nothing changes nothing, and a click is still a click.
+    drag(&mut window, &[pos2(head.x + 300.0, head.y), pos2(head.x + 330.0, head.y + 9.0)], Modifiers::SHIFT);
+    assert!(window.state().snapshot().pins.is_empty());
+    click_at(&mut window, head);
+    assert_eq!(*window.state().snapshot().pins, [0]);
+}
+
+#[test]
+fn a_line_pins_what_is_inside_in_the_plane_and_in_space() {
+    for name in ["cantilever", "mit_cloth"] {
+        let mut window = open(name);
+        widget(&window, Role::ComboBox, "Pins").scroll_to_me();
+        window.run_steps(30);
+        widget(&window, Role::ComboBox, "Pins").click();
+        window.run_steps(3);
+        click(&mut window, "Inside a line…");
+        let before = window.state().snapshot().pins.to_vec();
+        let stage = stage(&window).shrink(20.0);
+        // A triangle over the left half, drawn from corner to corner.
+        let corners = [stage.left_top(), stage.left_bottom(), stage.center()];
+        let line = |[from, to]: [Pos2; 2]| (0..10_u8).map(move |i| from.lerp(to, f32::from(i) / 10.0));
+        let places: Vec<_> =
+            [[0, 1], [1, 2], [2, 0]].into_iter().flat_map(|ends| line(ends.map(|i| corners[i]))).collect();
+        drag(&mut window, &places[1..], Modifiers::NONE);
+        let pins = window.state().snapshot().pins.to_vec();
+        let count = window.state().snapshot().vertex_count();
+        assert!(pins.len() > before.len() && pins.len() < count, "{name}: {} of {count}", pins.len());
+        assert!(before.iter().all(|pin| pins.contains(pin)), "{name}: pins stay");
+        press(&mut window, Key::Escape);
+        drag(&mut window, &places[1..], Modifiers::NONE);
+        assert_eq!(window.state().snapshot().pins.to_vec(), pins, "{name}: the tool was put away");
+    }
+}
+
+/// Sum of the velocities of all vertices along x and y.
+fn velocity(window: &Window) -> [f64; 2] {
+    let velocities = &window.state().sandbox().simulation().state().v;
+    [0, 1].map(|axis| velocities.iter().skip(axis).step_by(2).sum())
+}
+
+#[test]
+fn the_menu_of_tools_pushes_and_bursts() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    press(&mut window, Key::Space);
+    let middle = stage(&window).center();
+    click(&mut window, "Tool");
+    click(&mut window, "Push");
+    drag(&mut window, &[middle, middle + vec2(20.0, 0.0), middle + vec2(60.0, 0.0)], Modifiers::NONE);
+    let [x, y] = velocity(&window);
+    assert!(x > 1.0 && y.abs() < 1e-6 * x, "{x} {y}");
+    assert!(window.state().snapshot().pull.is_none(), "it does not pull");
+    click(&mut window, "Tool");
+    click(&mut window, "Burst");
+    let squares = |window: &Window| window.state().snapshot().energies.kinetic;
+    let before = squares(&window);
+    click_at(&mut window, middle);
+    assert!(squares(&window) > 2.0 * before, "{before} J before, {} J after", squares(&window));
+    // Nothing moves in edit mode, and the hand pins again.
+    press(&mut window, Key::M);
+    let before = velocity(&window);
+    click_at(&mut window, middle);
+    assert_eq!(velocity(&window), before);
+    press(&mut window, Key::Escape);
+    click_at(&mut window, middle);
+    assert_eq!(window.state().snapshot().pins.len(), 1);
+}
+
+/// The numbers of the ruler, by their names.
+fn measured(window: &mut Window) -> Vec<(String, f64)> {
+    click_in_panel(window, "Copy: Ruler");
+    // The text is in the frame of the click.
+    window.get_by_label("Copy: Ruler").click();
+    let text = copied(window);
+    let number = |line: &str| {
+        let mut parts = line.split('\t').map(str::to_owned);
+        (parts.next().unwrap(), parts.next().unwrap().parse().unwrap())
+    };
+    text.lines().map(number).collect()
+}
+
+#[test]
+fn a_ruler_measures_distances_and_angles_and_moves_with_vertices() {
+    let mut window = open("cantilever");
+    let count = window.state().snapshot().vertex_count();
+    let ends = [vertex(&window, 0), vertex(&window, count - 1)];
+    let seen = ends.map(|end| on_screen(&window, end));
+    click_in_panel(&mut window, "Ruler");
+    for at in seen {
+        click_at(&mut window, at);
+    }
+    assert!(window.state().snapshot().level.bodies[0].pins.len() < 3, "clicks of the ruler pin nothing");
+    let numbers = measured(&mut window);
+    let value = |numbers: &[(String, f64)], wanted: &str| {
+        numbers.iter().find(|(name, _)| name == wanted).map_or(f64::NAN, |(_, value)| *value)
+    };
+    let [dx, dy] = [0, 1].map(|axis| ends[1][axis] - ends[0][axis]);
+    assert_eq!(value(&numbers, "Distance"), (dx * dx + dy * dy).sqrt());
+    assert_eq!((value(&numbers, "dx"), value(&numbers, "dy")), (dx, dy));
+    assert_eq!(value(&numbers, "Slope"), dy.atan2(dx).to_degrees());
+    assert_eq!(value(&numbers, "Over that at the start"), 1.0);
+    // A third point away from all vertices: the angle at the second.
+    let third = on_screen(&window, [ends[1][0], ends[1][1] + 0.3]);
+    click_at(&mut window, third);
+    let corner = value(&measured(&mut window), "Angle at the second point");
+    let wanted = (-dy).atan2(-dx).to_degrees().rem_euclid(360.0) - 90.0;
+    assert!((corner - wanted.abs()).abs() < 0.01, "{corner} for {wanted}");
+    // It stays on the vertices while they move.
+    press(&mut window, Key::Escape);
+    press(&mut window, Key::Space);
+    assert_ne!(window.state().snapshot().mode, Mode::Edit);
+    window.run_steps(20);
+    press(&mut window, Key::Space);
+    let now = [vertex(&window, 0), vertex(&window, count - 1)];
+    let numbers = measured(&mut window);
+    assert_eq!(value(&numbers, "dy"), now[1][1] - now[0][1]);
+    assert_ne!(value(&numbers, "Over that at the start"), 1.0);
+    click_in_panel(&mut window, "Remove: Ruler");
+    assert!(window.query_by_label("Copy: Ruler").is_none());
+}
+
+#[test]
+fn a_drag_of_the_ruler_measures_in_space_between_vertices() {
+    let mut window = open("mit_cloth");
+    click_in_panel(&mut window, "Ruler");
+    let middle = stage(&window).center();
+    drag(&mut window, &[middle - vec2(80.0, 0.0), middle, middle + vec2(80.0, 0.0)], Modifiers::NONE);
+    let numbers = measured(&mut window);
+    let names: Vec<_> = numbers.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["Distance", "dx", "dy", "dz", "Over that at the start"]);
+    let [distance, dx, dy, dz] = [0, 1, 2, 3].map(|place| numbers[place].1);
+    assert!(distance > 0.0 && (distance - (dx * dx + dy * dy + dz * dz).sqrt()).abs() < 1e-12 * distance);
+}

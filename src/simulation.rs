@@ -72,7 +72,7 @@ pub struct Simulation {
     checks: Vec<PlacedCheck>,
     measured_checks: Vec<Option<f64>>,
     guard: Guard,
-    /// The earliest step after which steps were taken again, until it is asked for.
+    /// The earliest step that the guard went back to since the last call of [`Self::taken_back`].
     taken_back: Option<u64>,
     fault: Option<Fault>,
     overlaps: Overlaps,
@@ -241,7 +241,7 @@ impl Simulation {
         self.fault.as_ref()
     }
 
-    /// The earliest step after which steps were taken again, since the last call; `None` if none were.
+    /// The earliest step that the guard went back to since the last call; `None` if it did not.
     pub const fn taken_back(&mut self) -> Option<u64> {
         self.taken_back.take()
     }

@@ -60,7 +60,7 @@ pub fn or_zero(value: f64, round_off: f64) -> f64 {
     if value.abs() <= round_off { 0.0 } else { value }
 }
 
-/// The first digits of a value, so many, and its exponent, rounded once: three form a number from 100 to 999, or 0, and the value is
+/// The first `count` digits of a value, and its exponent, rounded once: three digits form a number from 100 to 999, or 0, and the value is
 /// `d.dd * 10^exponent`.
 fn leading(value: f64, count: i32) -> (u32, i32) {
     let text = format!("{value:.0$e}", (count - 1) as usize);

@@ -49,8 +49,8 @@ impl Account {
         self.work += work;
     }
 
-    /// Records the energies of a simulation after steps. The least energy of states that its guard took back since the last call is
-    /// forgotten: energy that only they had lost is in what follows.
+    /// Records the energies of a simulation after steps. States that its guard went back before since the last call no longer count for the
+    /// least energy: what was lost in them alone is still there in the steps that replaced them.
     pub fn record_steps(&mut self, simulation: &mut Simulation) {
         let taken_back = simulation.taken_back().unwrap_or(u64::MAX);
         while let Some((_, least)) = self.recent.pop_back_if(|(step, _)| *step > taken_back) {

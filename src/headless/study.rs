@@ -41,7 +41,7 @@ pub struct Study {
     /// Follows energy and momentum over time, a course for each integrator, in place of errors.
     #[arg(long, conflicts_with = "meshes")]
     pub drift: bool,
-    /// Tells how much of the error comes from the time step, the mesh, contact, sleep, and each effect, in place of comparing integrators.
+    /// Tells how much of the error comes from the time step, the mesh, the elements, contact, sleep, and each effect, in place of comparing integrators.
     #[arg(long, conflicts_with_all = ["meshes", "drift", "integrators", "steps"])]
     pub budget: bool,
     /// Finds for each integrator the cheapest step with which 95 % of the frames are within these errors [%], separated by commas, in place
@@ -419,7 +419,7 @@ fn budget(request: &Study, level: &Level) -> Result<Studied, StudyError> {
         }
     }
     table.push_str(
-        "\n\nFirst what can be refined, by the distance for its price, then the effects. Moves by: relative distance of the run from that of the level as it \
+        "\n\nFirst what can be refined, by the distance for its price, then all of it together and other elements, then the effects. Moves by: relative distance of the run from that of the level as it \
          is. Error: what is left of it by the order of its convergence. Price: processor time as a multiple of that of the level as it is.",
     );
     Ok(Studied { table, csv: budget.csv(), done })

@@ -352,8 +352,7 @@ fn runs(level: &Level, scene: &Scene) -> Vec<Run> {
     if let Ok(quadratic) = with_elements(level, Some(ElementKind::Quadratic), 1.0)
         && level.bodies.iter().any(|body| body.element != ElementKind::Quadratic)
     {
-        let change = "quadratic, about as many vertices";
-        all.push(Run::new("elements", change, SourceKind::Replaced, quadratic, None));
+        all.push(Run::new("elements", "quadratic ones", SourceKind::Replaced, quadratic, None));
     }
     for number in 0..level.effects.len() {
         let listed = &level.effects[number];

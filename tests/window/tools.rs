@@ -143,7 +143,7 @@ fn a_ruler_measures_distances_and_angles_and_moves_with_vertices() {
     assert_eq!(value(&numbers, "Distance"), (dx * dx + dy * dy).sqrt());
     assert_eq!((value(&numbers, "dx"), value(&numbers, "dy")), (dx, dy));
     assert_eq!(value(&numbers, "Slope"), dy.atan2(dx).to_degrees());
-    assert_eq!(value(&numbers, "Over that at the start"), 1.0);
+    assert_eq!(value(&numbers, "Distance over that at the start"), 1.0);
     // A third point away from all vertices: the angle at the second.
     let third = on_screen(&window, [ends[1][0], ends[1][1] + 0.3]);
     click_at(&mut window, third);
@@ -159,7 +159,7 @@ fn a_ruler_measures_distances_and_angles_and_moves_with_vertices() {
     let now = [vertex(&window, 0), vertex(&window, count - 1)];
     let numbers = measured(&mut window);
     assert_eq!(value(&numbers, "dy"), now[1][1] - now[0][1]);
-    assert_ne!(value(&numbers, "Over that at the start"), 1.0);
+    assert_ne!(value(&numbers, "Distance over that at the start"), 1.0);
     click_in_panel(&mut window, "Remove: Ruler");
     assert!(window.query_by_label("Copy: Ruler").is_none());
 }
@@ -172,7 +172,7 @@ fn a_drag_of_the_ruler_measures_in_space_between_vertices() {
     drag(&mut window, &[middle - vec2(80.0, 0.0), middle, middle + vec2(80.0, 0.0)], Modifiers::NONE);
     let numbers = measured(&mut window);
     let names: Vec<_> = numbers.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["Distance", "dx", "dy", "dz", "Over that at the start"]);
+    assert_eq!(names, ["Distance", "dx", "dy", "dz", "Distance over that at the start"]);
     let [distance, dx, dy, dz] = [0, 1, 2, 3].map(|place| numbers[place].1);
     assert!(distance > 0.0 && (distance - (dx * dx + dy * dy + dz * dz).sqrt()).abs() < 1e-12 * distance);
 }

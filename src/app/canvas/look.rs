@@ -46,7 +46,7 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    /// The same as a camera, if it is not that of the whole scene in the plane.
+    /// As a camera for a link; `None` if the whole of a scene in the plane is seen.
     pub fn camera(&self, dimension: usize) -> Option<link::Camera> {
         if dimension == 2 {
             return self.zoom.map(|zoom| link::Camera::Plane(zoom.centre, zoom.factor));
@@ -345,6 +345,8 @@ fn tools(ui: &mut Ui, Seen { snapshot, tool, .. }: Seen<'_>) -> Option<Tool> {
             }
         }
     });
-    button.on_hover_text("What a click or a drag on the stage does. [Esc: the hand]").accessible_name("Tool");
+    button
+        .on_hover_text("What a click or a drag on the stage does. [Esc takes the hand again]")
+        .accessible_name("Tool");
     chosen
 }

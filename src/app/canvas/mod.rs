@@ -57,8 +57,7 @@ const LONGEST_FRAME: f32 = 0.1;
 const TOLD: f64 = 5.0;
 
 /// Text of the hint after a drag in edit mode.
-const NOTHING_MOVES: &str =
-    "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag.";
+const NOTHING_MOVES: &str = "Nothing moves in edit mode, and a click pins. To drag: press Space or M to let time run, then drag. A drag with Shift pins what is in a box.";
 
 /// What a click or a drag on the stage does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,7 +65,7 @@ pub enum Tool {
     /// In edit mode a click pins or frees a vertex. In the other modes a drag pulls one.
     #[default]
     Hand,
-    /// A drag pushes what is near its start, in its direction.
+    /// A drag pushes what is near where it begins, in the direction of the drag.
     Push,
     /// A click blows apart what is near.
     Burst,
@@ -106,13 +105,15 @@ impl Tool {
         match self {
             Self::Hand => "In edit mode a click pins or frees a vertex. While time runs a drag pulls one.",
             Self::Push => {
-                "A drag pushes what is near its start, in its direction. [Arrows push what is under the pointer]"
+                "Drag to push what is near where you press, in the direction of the drag, however long it is. [Arrows]"
             }
             Self::Burst => "A click blows apart what is near. [X]",
-            Self::Probe => "A click probes a vertex or a triangle. [P]",
+            Self::Probe => "The next click probes a vertex or a triangle; then the hand is back. [P]",
             Self::Outline => "Draws the outline of a body.",
-            Self::PinBox => "A drag draws a box and pins what is in it. [Shift and a drag in edit mode]",
-            Self::PinLine => "A drag draws a line around vertices and pins them.",
+            Self::PinBox => {
+                "Drag a box: pins the vertices in it, or frees them if all are pinned. [Shift+drag in edit mode]"
+            }
+            Self::PinLine => "Draw a line: pins the vertices inside, or frees them if all are pinned.",
             Self::Ruler => "Measures distances and angles.",
         }
     }
@@ -133,7 +134,7 @@ impl Tool {
                 Some("Draw a line around vertices: they are pinned, or freed if all are pinned. Esc ends.")
             }
             Self::Ruler => Some(
-                "Drag, or click two points; a third click measures the angle. A click on a vertex takes it along. Esc ends.",
+                "Drag, or click two points. A third click adds the angle at the second. A point on a vertex moves with it. Esc ends.",
             ),
         }
     }
@@ -255,7 +256,7 @@ impl Canvas {
         }
         commands.extend(self.impulse(&response, &frame).map(Command::Impulse));
         self.chosen_tool = self.looking.take_tool().or(self.chosen_tool);
-        if before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
+        if !self.enclosure.is_open() && before.is_dragged(ui.input(|input| input.pointer.interact_pos())) {
             self.told_until = now + TOLD;
         }
         self.tell(&response, snapshot, (now, tool));

@@ -113,7 +113,7 @@ impl PointerState {
         matches!(*self, Self::Pin { origin, .. } if at.is_some_and(|at| at.distance(origin) >= STILL))
     }
 
-    /// Takes the effect from the press, if there is one.
+    /// Makes the present press, if there is one, do nothing.
     pub fn spend(&mut self) {
         if !self.is_free() {
             *self = Self::Spent;

@@ -109,8 +109,16 @@ pub fn export(ui: &mut Ui, now: &Snapshot, view: &mut View) {
 /// Draws a menu of the pins of a body, net or membrane (by number).
 fn pins(ui: &mut Ui, part: usize, now: &[Pin], view: &mut View, commands: &mut Vec<Command>) {
     const TOOLS: [(&str, Tool, &str); 2] = [
-        ("In a box…", Tool::PinBox, "A drag draws it on the stage. In edit mode also a drag with Shift."),
-        ("Inside a line…", Tool::PinLine, "A drag draws it on the stage."),
+        (
+            "In a box…",
+            Tool::PinBox,
+            "Drag a box on the stage: all vertices in it are pinned, of every body, or freed if all are pinned. [Shift+drag in edit mode]",
+        ),
+        (
+            "Inside a line…",
+            Tool::PinLine,
+            "Draw a line on the stage: all vertices inside are pinned, of every body, or freed if all are pinned.",
+        ),
     ];
     // Random pins that are chosen again are others.
     let seed =
@@ -128,7 +136,9 @@ fn pins(ui: &mut Ui, part: usize, now: &[Pin], view: &mut View, commands: &mut V
     let chosen = chosen.unwrap_or_else(|| "Other".to_owned());
     ui.horizontal(|ui| {
         ui.label("Pins");
-        let menu = ComboBox::from_id_salt("pins").width(ui.available_width()).selected_text(chosen.as_str());
+        // As high as all entries.
+        let menu = ComboBox::from_id_salt("pins").height(400.0).width(ui.available_width());
+        let menu = menu.selected_text(chosen.as_str());
         let response = menu.show_ui(ui, |ui| {
             for (name, pins) in modes {
                 if ui.selectable_label(name == chosen, name).clicked() {
@@ -144,7 +154,7 @@ fn pins(ui: &mut Ui, part: usize, now: &[Pin], view: &mut View, commands: &mut V
         });
         response
             .response
-            .on_hover_text("Which vertices are held. A click on a vertex in edit mode pins or frees it.")
+            .on_hover_text("Which vertices are held. A click on a vertex in edit mode pins or frees it, a drag with Shift all in a box.")
             .accessible_name("Pins");
     });
 }

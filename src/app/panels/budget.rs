@@ -21,7 +21,7 @@ pub const HELP: &str = "The first second of the level, once as it is, and once m
 
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let invitation = "The first second of the level runs as it is, and once more for each source of error: with half of the step, a finer mesh, \
-                      stiffer contact, without sleep, and without each effect. How far does each move the result, and what does it cost?";
+                      stiffer contact, without sleep, with quadratic elements, and without each effect. How far does each move the result, and what does it cost?";
     let Some(budget) = results(ui, context.jobs.budget.findings(), invitation) else { return };
     let Some(ms) = budget.ms_per_second else { return };
     let about = format!(

@@ -76,7 +76,7 @@ fn ruler(ui: &mut Ui, now: &Snapshot, measured: &Measured, view: &mut View) {
     if now.dimension == 2 {
         rows.push(("Slope", measured.slope().to_degrees(), "°"));
     }
-    rows.extend(measured.stretch().map(|stretch| ("Over that at the start", stretch, "")));
+    rows.extend(measured.stretch().map(|stretch| ("Distance over that at the start", stretch, "")));
     rows.extend(measured.corner.map(|corner| ("Angle at the second point", corner.to_degrees(), "°")));
     CollapsingHeader::new("Ruler").id_salt("ruler").default_open(true).show(ui, |ui| {
         ui.horizontal(|ui| {

@@ -6,7 +6,7 @@ use crate::{
     meshes,
     snapshot::Snapshot,
 };
-use eframe::egui::{Event, Key, PointerButton, Pos2, Response, pos2};
+use eframe::egui::{Event, PointerButton, Pos2, Response, pos2};
 
 /// Least distance between two points of a line [points].
 const APART: f32 = 3.0;
@@ -55,11 +55,10 @@ impl Enclosure {
             self.points.push(at);
         }
         let ends = response.drag_stopped_by(PointerButton::Primary);
-        let is_lost = response.ctx.input(|input| {
-            input.key_pressed(Key::Escape)
-                || input.multi_touch().is_some()
-                || input.events.contains(&Event::WindowFocused(false))
-        });
+        let is_lost = response
+            .ctx
+            .input(|input| input.multi_touch().is_some() || input.events.contains(&Event::WindowFocused(false)));
+        // egui ends the drag at Escape.
         if is_lost || self.generation != snapshot.generation || !ends && !response.dragged_by(PointerButton::Primary) {
             self.around = None;
         }

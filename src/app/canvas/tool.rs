@@ -1,0 +1,82 @@
+//! Tools: what a click or a drag on the stage does.
+
+/// What a click or a drag on the stage does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// In edit mode a click pins or frees a vertex. In the other modes a drag pulls one.
+    #[default]
+    Hand,
+    /// A drag pushes what is near where it begins, in the direction of the drag.
+    Push,
+    /// A click blows apart what is near.
+    Burst,
+    /// A click probes.
+    Probe,
+    /// Draws the outline of a body.
+    Outline,
+    /// A drag pins or frees all vertices in a box.
+    PinBox,
+    /// A drag pins or frees all vertices inside a line.
+    PinLine,
+    /// Clicks or a drag place the points of a ruler.
+    Ruler,
+}
+
+impl Tool {
+    /// The tools in the menu on the stage.
+    pub const CHOICES: [Self; 7] =
+        [Self::Hand, Self::Push, Self::Burst, Self::Probe, Self::Ruler, Self::PinBox, Self::PinLine];
+
+    /// Its name in the menu.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hand => "Hand",
+            Self::Push => "Push",
+            Self::Burst => "Burst",
+            Self::Probe => "Probe",
+            Self::Outline => "Draw",
+            Self::PinBox => "Pin in a box",
+            Self::PinLine => "Pin inside a line",
+            Self::Ruler => "Ruler",
+        }
+    }
+
+    /// What it does.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Hand => "In edit mode a click pins or frees a vertex. While time runs a drag pulls one.",
+            Self::Push => {
+                "Drag to push what is near where you press, in the direction of the drag, however long it is. [Arrows]"
+            }
+            Self::Burst => "A click blows apart what is near. [X]",
+            Self::Probe => "The next click probes a vertex or a triangle; then the hand is back. [P]",
+            Self::Outline => "Draws the outline of a body.",
+            Self::PinBox => {
+                "Drag a box: pins the vertices in it, or frees them if all are pinned. [Shift+drag in edit mode]"
+            }
+            Self::PinLine => "Draw a line: pins the vertices inside, or frees them if all are pinned.",
+            Self::Ruler => "Measures distances and angles.",
+        }
+    }
+
+    /// What to do with it, shown on the stage.
+    pub const fn hint(self) -> Option<&'static str> {
+        match self {
+            Self::Hand | Self::Probe => None,
+            Self::Push => {
+                Some("Drag to push what is near, in the direction of the drag. Nothing moves in edit mode. Esc ends.")
+            }
+            Self::Burst => Some("Click to blow apart what is near. Nothing moves in edit mode. Esc ends."),
+            Self::Outline => Some(
+                "Draw a closed line, or click corner after corner. The first corner or Enter ends the outline; Esc cancels.",
+            ),
+            Self::PinBox => Some("Draw a box around vertices: they are pinned, or freed if all are pinned. Esc ends."),
+            Self::PinLine => {
+                Some("Draw a line around vertices: they are pinned, or freed if all are pinned. Esc ends.")
+            }
+            Self::Ruler => Some(
+                "Drag, or click two points. A third click adds the angle at the second. A point on a vertex moves with it. Esc ends.",
+            ),
+        }
+    }
+}

@@ -19,7 +19,7 @@ use crate::{
     finish::Finish,
     impulse::Impulse,
     integrators::IntegratorKind,
-    level::{BodyLevel, EffectLevel, Level, MassLevel, Pin, RunMode, SubstepMode, Substeps, Toggle},
+    level::{BodyLevel, EffectLevel, Level, MassLevel, Note, Pin, RunMode, SubstepMode, Substeps, Toggle},
     materials::{MaterialParameters, Model, TypedEnergy},
     meshes::MeshKind,
     nets::NetKind,
@@ -55,6 +55,15 @@ pub enum Pose {
     Stretched,
     /// The compression of the level's test.
     Compressed,
+}
+
+/// A place of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spot {
+    /// A vertex, by its number in the scene.
+    Vertex(usize),
+    /// A point \[m\]; in the plane its third coordinate is not used.
+    Place([f64; 3]),
 }
 
 /// One user action. Commands that change the document (the level) can be undone.
@@ -100,6 +109,10 @@ pub enum Command {
     RemoveBody(usize),
     /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
+    /// Divides triangles (by their numbers in the scene: of the bodies, then of the membranes), and goes on from the present state.
+    Refine(Vec<usize>),
+    /// Divides the fewest triangles that have together half of the sum of the squared errors of the stress, and goes on from the present state.
+    RefineWorst,
     /// Sets the kind of the elements of a body (by number). Everything is reset; pins stay at their places.
     SetElement(usize, ElementKind),
     /// Sets the mass of a body (by number).
@@ -140,6 +153,13 @@ pub enum Command {
     PinAll(Vec<usize>, bool),
     /// Frees all vertices.
     ClearPins,
+    /// Prescribes the path of a vertex (by its number in the scene) from now on, given by times from now \[s\] and displacements from its present place \[m\]; if it is pinned, all pinned vertices of its
+    /// body, net or membrane move with it.
+    MoveAlong(usize, Vec<(f64, [f64; 3])>),
+    /// Adds a note.
+    AddNote(Spot),
+    /// Replaces all notes.
+    SetNotes(Vec<Note>),
     /// Sets the start of a test level and begins there.
     SetPose(Pose),
     /// Shows one body for each constitutive model, side by side, in a test level; or a single one again.
@@ -183,6 +203,8 @@ impl Command {
             Self::SetModel(_)
             | Self::SetEnergy(..)
             | Self::SetMesh(..)
+            | Self::Refine(_)
+            | Self::RefineWorst
             | Self::SetElement(..)
             | Self::SetSubsteps(_)
             | Self::SetSubstepMode(_)
@@ -219,6 +241,9 @@ impl Command {
             | Self::TogglePin(_)
             | Self::PinAll(..)
             | Self::ClearPins
+            | Self::MoveAlong(..)
+            | Self::AddNote(_)
+            | Self::SetNotes(_)
             | Self::SetPose(_)
             | Self::SetSideBySide(_)
             | Self::EndGesture

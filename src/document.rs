@@ -62,6 +62,8 @@ pub enum Gesture {
     Toy,
     /// An effect of the list.
     Effect(usize),
+    /// The notes.
+    Notes,
     /// The number of steps per frame.
     Substeps,
     /// The parameters of the time-stepping scheme; a change to another scheme is a change of its own.
@@ -186,6 +188,17 @@ impl Document {
         let Level { bodies, nets, membranes, .. } = &mut self.level;
         let lists = bodies.iter_mut().map(|body| &mut body.pins).chain(nets.iter_mut().map(|net| &mut net.pins));
         lists.chain(membranes.iter_mut().map(|membrane| &mut membrane.pins)).nth(source)
+    }
+
+    /// Mesh of a body or membrane, by its number in the shown level: bodies first, then nets, which have none, then membranes.
+    pub fn mesh_mut(&mut self, part: usize) -> Option<&mut MeshKind> {
+        let source = self.source(part);
+        let Level { bodies, nets, membranes, .. } = &mut self.level;
+        let others = bodies.len() + nets.len();
+        match source.checked_sub(others) {
+            Some(number) => membranes.get_mut(number).map(|membrane| &mut membrane.mesh),
+            None => bodies.get_mut(source).map(|body| &mut body.mesh),
+        }
     }
 
     /// Replaces the pinning rules of a body, net or membrane by vertices.

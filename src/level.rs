@@ -5,12 +5,14 @@
 
 mod builders;
 mod check;
+mod note;
 mod saved;
 mod script;
 mod steps;
 
 pub use crate::meshes::Pin;
 pub use check::{Check, CheckPlace};
+pub use note::{Note, NotePlace};
 pub use saved::{SavedGuard, SavedState};
 pub use script::{Action, RecordedEnd, ScriptedAction, frame};
 pub use steps::{SubstepMode, Substeps};
@@ -81,6 +83,9 @@ pub struct Level {
     /// Numbers that it is known to lead to.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub checks: Vec<Check>,
+    /// Texts on the stage.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "note::notes")]
+    pub notes: Vec<Note>,
     /// Where the scripted actions led when they were recorded: a replay stops there, and tells whether its state is the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recorded: Option<RecordedEnd>,

@@ -84,6 +84,8 @@ pub enum Colouring {
     Speed,
     /// Displacement from the start.
     Displacement,
+    /// Share in the estimated error of the stress.
+    StressError,
 }
 
 impl Colouring {
@@ -98,6 +100,7 @@ impl Colouring {
             Self::Pressure => Field::Pressure,
             Self::Speed => Field::Speed,
             Self::Displacement => Field::Displacement,
+            Self::StressError => Field::StressError,
         }
     }
 }

@@ -11,8 +11,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod drawn_path;
 mod edit;
+mod notes;
 mod recording;
+mod refine;
 mod wind;
 
 use crate::{
@@ -30,6 +33,7 @@ use crate::{
     simulation::{PlacedCheck, Restart, Simulation},
 };
 use recording::Recording;
+pub use refine::MeshChange;
 use std::{collections::VecDeque, rc::Rc, sync::Arc};
 
 /// A level that is edited and run.
@@ -48,6 +52,7 @@ pub struct Sandbox {
     /// Bodies with large meshes that are not shown, the latest last.
     shelf: VecDeque<Body>,
     recording: Option<Recording>,
+    mesh_change: Option<MeshChange>,
 }
 
 /// Meshes with more triangles than this are cached, because they take long to make.
@@ -79,6 +84,8 @@ enum Then {
     Restart,
     /// Like [`Self::Restart`], and files are read again.
     Reload,
+    /// Positions and velocities go over to other meshes of the same shapes.
+    Carry,
 }
 
 impl Sandbox {
@@ -104,6 +111,7 @@ impl Sandbox {
             rewind: Rewind::default(),
             shelf: VecDeque::new(),
             recording: None,
+            mesh_change: None,
         })
     }
 
@@ -223,6 +231,8 @@ impl Sandbox {
             Command::Undo => self.travel(false)?,
             Command::Redo => self.travel(true)?,
             Command::EndGesture => self.history.end_gesture(),
+            Command::Refine(triangles) => self.refine(&triangles)?,
+            Command::RefineWorst => self.refine_worst()?,
             Command::Open(level) => {
                 let before = std::mem::replace(&mut self.mode, Mode::Edit);
                 self.change(Document::new(*level), Then::Reload, None).inspect_err(|_| self.mode = before)?;
@@ -253,6 +263,11 @@ impl Sandbox {
     /// Shows a document. If it cannot be built, nothing changes.
     fn show(&mut self, document: Document, then: Then, moment: Option<Restart>) -> Result<(), Refused> {
         let shown = without_state(&document.shown());
+        // Notes are no part of the scene.
+        if then == Then::Keep && *self.shown == (Level { notes: self.shown.notes.clone(), ..shown.clone() }) {
+            (self.shown, self.document) = (Arc::new(shown), document);
+            return Ok(());
+        }
         let shelved = self.with_shelved(&shown);
         let known = (then != Then::Reload).then(|| shelved.as_ref().unwrap_or(self.simulation.scene()));
         let scene = Scene::build(&shown, self.effect_mode(&document), self.files.as_ref(), known)?;
@@ -266,7 +281,9 @@ impl Sandbox {
                 });
         let mode = self.effect_mode(&document);
         if then != Then::Keep || !same {
-            let moment = match moment {
+            let carried = if then == Then::Carry { self.carried(&scene).map(Restart::from) } else { None };
+            let before = carried.as_ref().map(|_| self.measured_mesh());
+            let moment = match moment.or(carried) {
                 Some(moment) if moment.state.x.len() == scene.start.x.len() => moment,
                 _ => Restart::read(&scene, document.level.state.as_ref())?,
             };
@@ -280,6 +297,12 @@ impl Sandbox {
             }
             self.begin_anew();
             self.generation += 1;
+            let after = self.measured_mesh();
+            self.mesh_change = before.map(|before| MeshChange {
+                triangles: [before.0, after.0],
+                energies: [before.1, after.1],
+                momentum: [before.2, after.2],
+            });
         } else {
             self.simulation.replace_scene(scene);
             self.simulation.follow(&shown, mode);

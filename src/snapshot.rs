@@ -22,7 +22,7 @@ use crate::{
     materials::Model,
     meshes::Mesh,
     report::EffectCost,
-    sandbox::Sandbox,
+    sandbox::{MeshChange, Sandbox},
     scene::{Body, extent},
 };
 use std::{ops::Range, sync::Arc, time::Duration};
@@ -67,6 +67,12 @@ pub struct Snapshot {
     pub field: Field,
     /// One value a triangle, unless the field is `None`.
     pub values: Vec<f64>,
+    /// Estimated relative error of the stress, while its shares are the field.
+    pub stress_error: Option<f64>,
+    /// Vertices of the notes of the level, by their numbers in the scene; `None` for one at a point.
+    pub note_vertices: Vec<Option<usize>>,
+    /// What the last refinement of meshes changed.
+    pub mesh_change: Option<MeshChange>,
     /// Energies now.
     pub energies: Energies,
     /// Energy that is at most round-off of the energy this scene can store \[J\].
@@ -300,6 +306,9 @@ impl Sandbox {
         let (simulation, scene) = (&self.simulation, self.simulation.scene());
         let state = simulation.state();
         let x = &state.x;
+        if snapshot.generation != self.generation || snapshot.level.notes != self.shown.notes {
+            snapshot.note_vertices = self.note_vertices();
+        }
         if snapshot.generation != self.generation {
             snapshot.generation = self.generation;
             snapshot.start = Arc::new(if scene.toy.is_none() { scene.start.x.clone() } else { Vec::new() });
@@ -349,6 +358,7 @@ impl Sandbox {
             measured,
             is_met: measured.is_some_and(|measured| placed.is_met(measured)),
         }));
+        snapshot.mesh_change = self.mesh_change();
         snapshot.damping = self.damping();
         snapshot.wind = self.wind();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
@@ -402,6 +412,11 @@ impl Sandbox {
             membrane.elements.add_values(field, x, &mut snapshot.values);
         }
         self.add_values_of_vertices(field, &mut snapshot.values);
+        snapshot.stress_error = (field == Field::StressError).then(|| {
+            let errors = scene.stress_errors(x);
+            snapshot.values.extend(errors.shares().map(|share| 100.0 * share));
+            errors.relative()
+        });
         snapshot.membranes.clear();
         let known = |number: usize| simulation.known_energy(scene.bodies.len() + scene.nets.len() + number);
         snapshot.membranes.extend(scene.membranes.iter().enumerate().map(|(number, membrane)| MembraneSnapshot {

@@ -165,7 +165,7 @@ fn floor(snapshot: &Snapshot) -> f64 {
     match snapshot.field {
         Field::EnergyDensity => 1e-6 * young,
         Field::VonMises | Field::PrincipalStress | Field::Pressure => 1e-3 * young,
-        Field::None | Field::Volume | Field::Stretch => 0.01,
+        Field::None | Field::Volume | Field::Stretch | Field::StressError => 0.01,
         Field::Speed | Field::Displacement => 1e-3,
     }
 }

@@ -261,12 +261,18 @@ impl App {
             (Command::StepFrame, None) => self.sandbox.simulation().scene().steps_per_frame(),
             _ => 0,
         };
+        let places_note = matches!(command, Command::AddNote(_));
         let result = match &mut self.comparison {
             Some(panes) => panes.apply(&mut self.sandbox, pane.unwrap_or(panes.chosen()), command),
             None => self.sandbox.apply(command),
         };
         if let Err(refused) = &result {
             self.view.notice = Some(Notice::trouble(refused));
+        }
+        if places_note && result.is_ok() {
+            // Its text is shown, also where the panel was closed.
+            (self.view.stage.tool, self.view.has_new_note) = (Tool::Hand, true);
+            (self.view.hidden[1], self.view.drawer) = (false, Some(panels::Side::Right));
         }
         if steps > 0 && result.is_ok() {
             let panes = self.comparison.as_ref();

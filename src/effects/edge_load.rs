@@ -1,6 +1,6 @@
 //! Effect: tractions and pressure on edges of bodies.
 
-use super::{Effect, EffectParameters, Motion, ZERO, power_of_force};
+use super::{Effect, EffectParameters, Motion, Rules, ZERO, power_of_force};
 use crate::{
     elements::Elements,
     meshes::{Pin, boundary_edges},
@@ -78,6 +78,10 @@ impl EffectParameters for EdgeLoad {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         let (x, y) = &mut self.traction;
         vec![x, y, &mut self.pressure, &mut self.ramp]
+    }
+
+    fn rules_mut(&mut self) -> Option<Rules<'_>> {
+        Some(Rules { of: self.of.as_deref(), pins: &mut self.edges, are_of_edges: true })
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {

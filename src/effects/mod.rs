@@ -70,6 +70,7 @@ pub use wire::{Wire, WireShape};
 use crate::{
     contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceTerm},
     elements::{Elements, EulerUpdate, UniformForce},
+    meshes::Pin,
     obstacles::{Surfaces, Triangulation},
     quantity::Quantity,
     registry::registry,
@@ -121,6 +122,16 @@ impl EffectKind {
     }
 }
 
+/// Rules by which an effect names vertices or edges.
+pub struct Rules<'a> {
+    /// Name of the body, net or membrane; all, if it is not said.
+    pub of: Option<&'a str>,
+    /// The rules.
+    pub pins: &'a mut Vec<Pin>,
+    /// Whether they name the edges between those vertices.
+    pub are_of_edges: bool,
+}
+
 /// The parameters of an effect.
 pub trait EffectParameters {
     /// Name in the window, such as `Gravity`.
@@ -140,6 +151,11 @@ pub trait EffectParameters {
     /// The formulas a panel may change, with their names.
     fn formulas(&mut self) -> Vec<(&'static str, &mut PointFormula)> {
         Vec::new()
+    }
+
+    /// The rules by which it names vertices or edges, if it does.
+    fn rules_mut(&mut self) -> Option<Rules<'_>> {
+        None
     }
 
     /// Whether it is damping; the key D switches damping.

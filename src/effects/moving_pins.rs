@@ -1,6 +1,6 @@
 //! Effect: pinned vertices that move along a path.
 
-use super::{Effect, EffectParameters, Motion};
+use super::{Effect, EffectParameters, Motion, Rules};
 use crate::{
     elements::Elements,
     meshes::Pin,
@@ -46,6 +46,10 @@ impl EffectParameters for MovingPins {
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         self.motions.iter_mut().flat_map(|motion| motion.kind_mut().parameters()).collect()
+    }
+
+    fn rules_mut(&mut self) -> Option<Rules<'_>> {
+        Some(Rules { of: self.of.as_deref(), pins: &mut self.pins, are_of_edges: false })
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {

@@ -1,6 +1,8 @@
 //! Effect: beads on a wire.
 
-use super::{ConstraintTerm, Effect, EffectParameters, MOST_CONDITIONS, Motion, Shape, air::unit, rods::ten_a_second};
+use super::{
+    ConstraintTerm, Effect, EffectParameters, MOST_CONDITIONS, Motion, Rules, Shape, air::unit, rods::ten_a_second,
+};
 use crate::{
     elements::{
         Elements,
@@ -112,6 +114,10 @@ impl EffectParameters for Wire {
             }
         };
         vec![Shape::Wire { points, closed }]
+    }
+
+    fn rules_mut(&mut self) -> Option<Rules<'_>> {
+        Some(Rules { of: self.of.as_deref(), pins: &mut self.beads, are_of_edges: false })
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {

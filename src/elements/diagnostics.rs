@@ -257,7 +257,7 @@ fn value_from<R: Real>(
     of_stress: impl FnOnce() -> CauchyStress<R>,
 ) -> Option<R> {
     match field {
-        Field::None | Field::Speed | Field::Displacement => None,
+        Field::None | Field::Speed | Field::Displacement | Field::StressError => None,
         Field::Volume => Some(f.determinant()),
         Field::Stretch => Some(greatest_stretch(f)),
         Field::EnergyDensity => Some(energy()),
@@ -343,11 +343,13 @@ pub enum Field {
     Speed,
     /// Mean displacement of the corners from the start \[m\].
     Displacement,
+    /// Share of a triangle in the estimated square of the error of the stress \[%\].
+    StressError,
 }
 
 impl Field {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::None,
         Self::EnergyDensity,
         Self::VonMises,
@@ -357,6 +359,7 @@ impl Field {
         Self::Pressure,
         Self::Speed,
         Self::Displacement,
+        Self::StressError,
     ];
 
     /// Name in the menu.
@@ -371,6 +374,7 @@ impl Field {
             Self::Pressure => "Pressure",
             Self::Speed => "Speed",
             Self::Displacement => "Displacement",
+            Self::StressError => "Stress error",
         }
     }
 
@@ -382,6 +386,7 @@ impl Field {
             Self::VonMises | Self::PrincipalStress | Self::Pressure => "Pa",
             Self::Speed => "m/s",
             Self::Displacement => "m",
+            Self::StressError => "%",
         }
     }
 
@@ -400,7 +405,7 @@ impl Field {
 
     /// Whether it follows from the deformation gradients and the material alone.
     pub const fn is_of_triangles(self) -> bool {
-        !matches!(self, Self::None | Self::Speed | Self::Displacement)
+        !matches!(self, Self::None | Self::Speed | Self::Displacement | Self::StressError)
     }
 }
 

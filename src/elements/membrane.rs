@@ -223,6 +223,15 @@ impl Membranes {
         })
     }
 
+    /// The first Piola-Kirchhoff stress of each triangle, P = Q P(G), column by column \[Pa\].
+    pub fn stresses(&self, x: &[f64]) -> impl Iterator<Item = [[f64; 3]; 2]> {
+        let x = x.as_chunks().0;
+        self.shape.corners.iter().enumerate().map(|(number, corners)| {
+            let frame = Frame::of(product(edges(x, *corners), self.inverse(number)));
+            frame.in_space(Mat2::from(&self.material.at(&frame.g.into()).piola))
+        })
+    }
+
     /// D0⁻¹ of a triangle, column by column [1/m].
     fn inverse(&self, number: usize) -> [f64; 4] {
         self.shape.blocks[number / LANES].inverse.each_ref().map(|entry| entry[number % LANES])

@@ -35,7 +35,11 @@ pub struct Study {
     /// Kinds of elements to compare on meshes of the same numbers of triangles, separated by commas: `Linear`, `MeanDilatation`, `Quadratic`.
     #[arg(long, value_delimiter = ',', value_parser = element, requires = "meshes")]
     pub elements: Vec<ElementKind>,
-    /// What is compared between meshes: `deflection` or `energy`.
+    /// Also compares adaptive meshes of each kind of elements: from the coarsest one on, the triangles with the greatest estimated error of the stress are divided. Pins or
+    /// rollers must hold the bodies.
+    #[arg(long, requires = "meshes")]
+    pub adaptive: bool,
+    /// What is compared between meshes: `deflection`, `energy` or `stress` (the greatest von Mises stress).
     #[arg(long, default_value = "deflection", value_parser = measure)]
     pub measure: Measure,
     /// Follows energy and momentum over time, a course for each integrator, in place of errors.
@@ -202,10 +206,16 @@ fn lines(curve: &Curve, reference: &Reference) -> String {
 
 fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied, StudyError> {
     let elements = request.elements.clone();
-    let mut plan = MeshPlan { triangles, elements, measure: request.measure, ..MeshPlan::default() };
+    let (measure, adaptive) = (request.measure, request.adaptive);
+    let mut plan = MeshPlan { triangles, elements, adaptive, measure, ..MeshPlan::default() };
     plan.threads = request.threads();
-    if Trial::new(level, &files::Disk, request.seconds)?.scene.pins.len() < 2 {
+    if !Trial::new(level, &files::Disk, request.seconds)?.scene.is_held() {
         plan.moment = MeshMoment::AtTheEnd;
+        if adaptive {
+            return Err(StudyError::NotHere(
+                "adaptive meshes need an equilibrium, but no pins or rollers hold the bodies of this level",
+            ));
+        }
     }
     let mut study = MeshStudy::new(level, &files::Disk, request.seconds, plan)?;
     begin(request, study.trial());
@@ -223,7 +233,7 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
     };
     let _ = write!(table, "\nms: {}", price_in_words());
     table += "\n\n  triangles  size [mm]         value      error [%]        ms  runs";
-    table += if request.elements.is_empty() { "" } else { "  element" };
+    table += if request.elements.is_empty() && !adaptive { "" } else { "  series" };
     for point in study.points() {
         let word = if point.status == Status::Ok { "not done" } else { point.status.word() };
         let value = point.value.map_or(word.to_owned(), |value| format!("{value:.6e}"));
@@ -231,12 +241,14 @@ fn meshes(request: &Study, level: &Level, triangles: Vec<u32>) -> Result<Studied
         let MeshPoint { triangles, ms, runs, .. } = *point;
         let size = 1e3 * point.size;
         let _ = write!(table, "\n  {triangles:>9}  {size:>9.2}  {value:>12}  {error:>13}  {ms:>8.1}  {runs:>4}");
-        let _ = point.element.map(|kind| write!(table, "  {kind:?}"));
+        let word = point.series.word();
+        let _ = if word.is_empty() { Ok(()) } else { write!(table, "  {word}") };
     }
     table += "\n";
-    for element in study.elements() {
-        let kind = element.map_or(String::new(), |kind| format!(" of {kind:?}"));
-        let _ = write!(table, "\nMeasured order{kind}: {}", order_in_words(&study.order(element)));
+    for series in study.series() {
+        let word = series.word();
+        let of = if word.is_empty() { word } else { format!(" of {word}") };
+        let _ = write!(table, "\nMeasured order{of}: {}", order_in_words(&study.order(series)));
     }
     for (kind, why) in study.left_out() {
         let _ = write!(table, "\n{} is left out: {}", kind.title(), terminal::line(why));
@@ -459,7 +471,8 @@ fn measure(text: &str) -> Result<Measure, String> {
     match text {
         "deflection" => Ok(Measure::TipDeflection),
         "energy" => Ok(Measure::ElasticEnergy),
-        _ => Err("expected deflection or energy".to_owned()),
+        "stress" => Ok(Measure::GreatestStress),
+        _ => Err("expected deflection, energy or stress".to_owned()),
     }
 }
 

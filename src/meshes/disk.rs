@@ -47,6 +47,12 @@ impl MeshSource for Disk {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.radius, &mut self.rings]
     }
+
+    fn onto_outline(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [from_x, from_y] = self.centre.get();
+        let out = self.radius.get() / libm::hypot(x - from_x, y - from_y).max(f64::MIN_POSITIVE);
+        [from_x + out * (x - from_x), from_y + out * (y - from_y)]
+    }
 }
 
 /// Vertex number at a step along a ring. Ring 0 is the centre.

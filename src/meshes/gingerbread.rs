@@ -40,6 +40,11 @@ impl MeshSource for Gingerbread {
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.resolution]
     }
+
+    fn onto_outline(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [x, y] = onto([x - MIDDLE[0], y - MIDDLE[1]], false);
+        [x + MIDDLE[0], y + MIDDLE[1]]
+    }
 }
 
 /// Outline in points about one edge length \[m\] apart, counter-clockwise, with equal numbers on the left and right.

@@ -149,6 +149,23 @@ impl Mesh {
         Ok(Self { icing, messages, numbering, ..Self::counted_from((0, 0.0), points, triangles)? })
     }
 
+    /// The mesh with other triangles in place of its own, which cover the same shape up to its outline. Its icing stays at its places.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`].
+    pub(super) fn divided(&self, points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        // Near vertices were checked in this mesh.
+        let divided = Self::counted_from((0, 0.0), points, triangles)?;
+        let locator = Locator::new(&divided.points, &divided.triangles);
+        let mut icing = self.icing.clone();
+        for point in icing.iter_mut().flat_map(|stroke| &mut stroke.points) {
+            let corners = self.corners(point.triangle as usize);
+            let at = [0, 1].map(|axis| (0..3).map(|corner| point.weights[corner] * corners[corner][axis]).sum());
+            *point = locator.embed(at);
+        }
+        Ok(Self { icing, messages: self.messages.clone(), ..divided })
+    }
+
     /// Numbers of vertices and triangles in the original list.
     pub const fn numbering(&self) -> &Numbering {
         &self.numbering
@@ -350,10 +367,15 @@ pub(super) fn squared_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Squared distance from a point to the segment between two others \[m²\].
 pub(super) fn squared_distance_to_side(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> f64 {
+    squared_distance(nearest_on_side(from, to, point), point)
+}
+
+/// The point of the segment between two points that is nearest to a third \[m\].
+pub(super) fn nearest_on_side(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> [f64; 2] {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = squared_distance(from, to);
     let share = ((point[0] - from[0]) * along[0] + (point[1] - from[1]) * along[1]) / length;
     // A side of zero length gives NaN here; its first end then counts.
     let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-    squared_distance([from[0] + share * along[0], from[1] + share * along[1]], point)
+    [from[0] + share * along[0], from[1] + share * along[1]]
 }

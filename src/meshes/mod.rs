@@ -13,6 +13,7 @@
 //! # Ok::<(), gingerbread::meshes::MeshError>(())
 //! ```
 
+mod bisection;
 mod count;
 mod disk;
 mod embedded;
@@ -27,6 +28,7 @@ mod pin;
 mod points;
 mod polygon;
 mod rectangle;
+mod refined;
 mod surface;
 mod topology;
 mod triangulate;
@@ -49,6 +51,7 @@ pub(crate) use polygon::merged;
 #[cfg(feature = "window")]
 pub(crate) use polygon::{contains, signed_area, simplified};
 pub use rectangle::{Diagonals, Rectangle};
+pub use refined::Refined;
 pub use surface::SurfaceMesh;
 pub use topology::{Fan, boundary_edges};
 
@@ -64,6 +67,7 @@ registry! {
         Outline(Outline),
         Points(Points),
         Obj(Obj),
+        Refined(Refined),
     }
 }
 
@@ -83,6 +87,11 @@ pub trait MeshSource {
     /// Quantities that a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         Vec::new()
+    }
+
+    /// The point of the true outline that is nearest to a point \[m\] beside it; the point itself where the outline is that of the triangles.
+    fn onto_outline(&self, point: [f64; 2]) -> [f64; 2] {
+        point
     }
 }
 

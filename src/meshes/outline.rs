@@ -2,7 +2,7 @@
 
 use super::{
     Files, Mesh, MeshError, MeshSource, Whole,
-    mesh::{NEAR, size, squared_distance},
+    mesh::{NEAR, nearest_on_side, size, squared_distance},
     numbering, polygon, triangulate,
 };
 use crate::quantity::{Coordinate, Point, Quantity, Tolerance, Triangles};
@@ -162,6 +162,17 @@ impl MeshSource for Outline {
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {
         vec![&mut self.resolution, &mut self.simplify]
+    }
+
+    fn onto_outline(&self, point: [f64; 2]) -> [f64; 2] {
+        // The mesh of a simplified outline does not follow the given points.
+        if !is_exact(&self.simplify) {
+            return point;
+        }
+        let loops = std::iter::once(&self.points).chain(&self.holes);
+        let sides = loops.flat_map(|corners| corners.iter().zip(corners.iter().cycle().skip(1)));
+        let nearest = sides.map(|(from, to)| nearest_on_side(from.get(), to.get(), point));
+        nearest.min_by(|a, b| squared_distance(*a, point).total_cmp(&squared_distance(*b, point))).unwrap_or(point)
     }
 }
 

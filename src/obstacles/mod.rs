@@ -37,7 +37,7 @@ pub use corner::Corner;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use half_space::HalfSpace;
-pub use motions::{Motion, MotionKind, Slide, Swing, Turn, check, placed};
+pub use motions::{Motion, MotionKind, Slide, Spline, Swing, Turn, check, placed};
 pub use moving::Moving;
 pub use plane::{HalfPlane, Plane, free_region};
 pub use polygon::Polygon;

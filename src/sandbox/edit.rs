@@ -16,6 +16,7 @@ impl Sandbox {
     pub(super) fn edit(&mut self, command: Command) -> Result<(), Refused> {
         const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
         const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
+        let is_note = matches!(command, Command::AddNote(_) | Command::SetNotes(_));
         let mut document = self.document.clone();
         let mut then = Then::Keep;
         let mut gesture = None;
@@ -69,13 +70,10 @@ impl Sandbox {
                 document.level.substeps = substeps;
                 gesture = Some(Gesture::Substeps);
             }
-            Command::SetSubstepMode(paces) => document.level.paces = paces,
             Command::SetIntegrator(integrator) => {
                 gesture = Some(Gesture::Integrator(integrator.name()));
                 document.level.integrator = integrator;
             }
-            Command::SetGuard(guard) => document.level.guard = guard,
-            Command::SetSleep(sleep) => document.level.sleep = sleep,
             Command::SetEffect(number, effect) => {
                 *get(&mut document.level.effects, number)? = effect;
                 gesture = Some(Gesture::Effect(number));
@@ -87,7 +85,6 @@ impl Sandbox {
                 let listed = EffectLevel { effect, switch: Switch::default(), when: When::Always };
                 document.level.effects.push(listed);
             }
-            Command::SetDamping(on) => document.set_damping(on),
             Command::SetWind(on) => set_wind(&mut document, self.simulation.scene(), on)?,
             Command::SetPins(part, pins) => *document.pins_mut(part).ok_or(NO_PART)? = pins,
             Command::TogglePin(vertex) => {
@@ -95,7 +92,8 @@ impl Sandbox {
                 self.pin(&mut document, &[vertex], !is_pinned)?;
             }
             Command::PinAll(vertices, pins) => self.pin(&mut document, &vertices, pins)?,
-            Command::ClearPins => document.clear_pins(),
+            Command::MoveAlong(vertex, path) => self.move_along(&mut document, vertex, &path)?,
+            Command::AddNote(spot) => self.add_note(&mut document, spot)?,
             Command::SetPose(pose) => {
                 let test = document.level.test.ok_or(NO_TEST)?;
                 document.set_pose(pose, test);
@@ -113,7 +111,9 @@ impl Sandbox {
             return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
         }
         // A changed level leads elsewhere.
-        document.level.recorded = None;
+        if !is_note {
+            document.level.recorded = None;
+        }
         self.change(document, then, gesture)
     }
 
@@ -176,7 +176,7 @@ fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
 
 const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
 
-/// Adds, removes and changes whole parts, and sets scheme and step together; other commands change nothing here.
+/// Changes that need the document alone; other commands change nothing here.
 fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option<Gesture>), Refused> {
     match command {
         Command::SetEnergy(part, energy) => {
@@ -196,6 +196,30 @@ fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option
             document.level.bodies.remove(body);
             document.level.state = None;
             Ok((Then::Restart, None))
+        }
+        Command::SetSubstepMode(paces) => {
+            document.level.paces = paces;
+            Ok((Then::Keep, None))
+        }
+        Command::SetGuard(guard) => {
+            document.level.guard = guard;
+            Ok((Then::Keep, None))
+        }
+        Command::SetSleep(sleep) => {
+            document.level.sleep = sleep;
+            Ok((Then::Keep, None))
+        }
+        Command::SetDamping(on) => {
+            document.set_damping(on);
+            Ok((Then::Keep, None))
+        }
+        Command::ClearPins => {
+            document.clear_pins();
+            Ok((Then::Keep, None))
+        }
+        Command::SetNotes(notes) => {
+            document.level.notes = notes;
+            Ok((Then::Keep, Some(Gesture::Notes)))
         }
         Command::SetStepping(integrator, substeps) => {
             (document.level.integrator, document.level.substeps) = (integrator, substeps);

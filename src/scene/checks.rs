@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::state::State;
+use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
 /// A body or net with more than this multiple of its energy at a strain of one has exploded.
@@ -37,6 +38,27 @@ impl Scene {
             along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
         };
         (0..self.dimension).map(length).map(|length| length * length).sum::<f64>().sqrt()
+    }
+
+    /// Whether pins and rollers leave no rigid motion of the whole scene: in the plane, whether the sum of the squares of the velocities along the fixed coordinates
+    /// is positive for each combination of two translations and a rotation. In space two pins count as enough.
+    pub fn is_held(&self) -> bool {
+        if self.dimension != 2 || self.pins.len() > 1 {
+            return self.pins.len() > 1;
+        }
+        let pinned = self.pins.iter().flat_map(|pin| [(*pin, 0), (*pin, 1)]);
+        let fixed = || pinned.clone().chain(self.rollers.iter().copied());
+        let point = |vertex: u32| [0, 1].map(|axis| self.rest[2 * vertex as usize + axis]);
+        let count = fixed().count().max(1) as f64;
+        let middle = [0, 1].map(|axis| fixed().map(|(vertex, _)| point(vertex)[axis]).sum::<f64>() / count);
+        let size = self.size(&(0..self.vertices()));
+        let sum = fixed().fold(Matrix3::zeros(), |sum, (vertex, axis)| {
+            let [x, y] = [0, 1].map(|axis| (point(vertex)[axis] - middle[axis]) / size);
+            let row = if axis == 0 { Vector3::new(1.0, 0.0, -y) } else { Vector3::new(0.0, 1.0, x) };
+            sum + row * row.transpose()
+        });
+        let eigenvalues = sum.symmetric_eigenvalues();
+        eigenvalues.min() > 1e-9 * eigenvalues.max()
     }
 
     /// Number of vertices inside walls, outside the domain, or inside other bodies in a state.

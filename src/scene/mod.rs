@@ -2,17 +2,21 @@
 //! runs; a changed level builds a new one, which reuses unchanged meshes.
 
 mod checks;
+mod correspondence;
 mod effects;
 mod membrane;
 mod net;
 mod numbering;
 mod start;
+mod stress_error;
 mod sub_scene;
 
 pub use crate::meshes::extent;
+pub use correspondence::Correspondence;
 pub use membrane::Membrane;
 pub use net::Net;
 use start::sliding;
+pub use stress_error::StressErrors;
 pub use sub_scene::SubScene;
 
 use crate::{

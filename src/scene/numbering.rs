@@ -66,6 +66,23 @@ impl Scene {
         })
     }
 
+    /// The parts that some triangles belong to, by their numbers among those of all bodies and then all membranes, and for each part the names of
+    /// its triangles as [`Refined`](crate::meshes::Refined) counts them, ascending: elements of six nodes are one triangle there.
+    pub fn divided(&self, triangles: &[usize]) -> Vec<(usize, Vec<u32>)> {
+        let of_part = |(part, first, mesh): (usize, usize, &Mesh)| {
+            let has_six_nodes = self.bodies.get(part).is_some_and(|body| body.elements.kind().has_six_nodes());
+            let own = triangles.iter().filter_map(|triangle| triangle.checked_sub(first));
+            let own = own.filter(|triangle| *triangle < mesh.triangles().len());
+            let mut names: Vec<_> = own
+                .map(|own| (mesh.numbering().element_name(own) / if has_six_nodes { 4 } else { 1 }) as u32)
+                .collect();
+            names.sort_unstable();
+            names.dedup();
+            (part, names)
+        };
+        self.triangle_parts().map(of_part).filter(|(_, names)| !names.is_empty()).collect()
+    }
+
     /// Positions or velocities of all vertices, flat, as the level lists them.
     pub fn listed<'a>(&self, values: &'a [f64]) -> Cow<'a, [f64]> {
         self.rearranged(values, |[vertex, name]| [vertex, name])

@@ -12,10 +12,10 @@
 //! whose motion is chaotic moves by as much for any reason.
 
 use super::{
-    Correspondence, Progress, StudyError,
+    Progress, StudyError,
     difference::positions,
     march::{Deadline, Stopwatch, spread},
-    mesh_study::{with_elements, with_triangles},
+    other_meshes::{with_elements, with_triangles},
     reference::STILL,
 };
 use crate::{
@@ -25,7 +25,7 @@ use crate::{
     level::{Level, RunMode, Substeps, Switch, Toggle, When},
     meshes::{Files, NoFiles},
     quantity::SkinModulus,
-    scene::Scene,
+    scene::{Correspondence, Scene},
     simulation::Simulation,
 };
 use std::time::Duration;

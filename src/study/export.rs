@@ -267,14 +267,16 @@ impl MeshStudy {
             ("reference_error_estimate", finite(own)),
             ("ms_of_computing", price_in_words()),
         ];
-        for element in self.elements() {
-            let order = order_in_words(&self.order(element));
-            more.push(("measured_order", element.map_or(order.clone(), |kind| format!("{kind:?}: {order}"))));
+        for series in self.series() {
+            let order = order_in_words(&self.order(series));
+            let word = series.word();
+            more.push(("measured_order", if word.is_empty() { order } else { format!("{word}: {order}") }));
         }
         let name = |of: &LockingNumber| if of.is_tight() { "locking_at_nu_0.4999" } else { "locking_at_nu_0.3" };
         more.extend(locking.iter().map(|of| (name(of), of.words())));
         let columns = [
             "element",
+            "refinement",
             "triangles",
             "vertices",
             "size_m",
@@ -288,7 +290,8 @@ impl MeshStudy {
         for point in self.points() {
             let Some(value) = point.value else { continue };
             table.row([
-                point.element.map_or_else(String::new, |kind| format!("{kind:?}")),
+                point.series.element.map_or_else(String::new, |kind| format!("{kind:?}")),
+                format!("{:?}", point.series.refinement),
                 point.triangles.to_string(),
                 point.vertices.to_string(),
                 format!("{:e}", point.size),

@@ -1,6 +1,6 @@
 //! Measures volumetric locking, which linear triangles are subject to.
 
-use super::{Measure, Progress, StudyError, mesh_study::with_triangles, solutions};
+use super::{Measure, Progress, StudyError, other_meshes::with_triangles, solutions};
 use crate::{
     elements::ElementKind,
     level::Level,
@@ -115,7 +115,7 @@ impl Locking {
             let better = crossed(with_triangles(&level, 4.0)?);
             for level in [level, better] {
                 let scene = Scene::build(&level, level.mode, files, scenes.last())?;
-                if scene.pins.len() < 2 {
+                if !scene.is_held() {
                     return Err(StudyError::NotHere(
                         "this level does not hold its bodies, so they do not come to rest",
                     ));

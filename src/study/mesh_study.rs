@@ -1,18 +1,19 @@
 //! Mesh study: convergence of a quantity under refinement.
 
 use super::{
-    Limits, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
+    Limits, Measure, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
     march::{Deadline, March, Repetitions, Stopwatch, spread},
-    measured_order, solutions, threads,
+    measured_order,
+    other_meshes::{refine, with_elements},
+    solutions, threads,
     trial::limit,
 };
 use crate::{
     elements::ElementKind,
     integrators::Class,
-    level::{Level, Pin, Substeps},
+    level::{Level, Substeps},
     meshes::{Files, NoFiles},
-    quantity::{Cells, Rings, Triangles},
-    scene::Scene,
+    scene::{Scene, StressErrors},
     state::State,
 };
 use std::{ops::ControlFlow, time::Duration};
@@ -20,11 +21,50 @@ use std::{ops::ControlFlow, time::Duration};
 /// Time at which the quantity is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshMoment {
-    /// At rest under the acting forces. The level must hold its bodies by pins.
+    /// At rest under the acting forces. Pins or rollers must hold the bodies.
     #[default]
     AtRest,
     /// At the end of the simulated time.
     AtTheEnd,
+}
+
+/// How meshes are refined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Refinement {
+    /// Everywhere: the meshes of the level with more triangles.
+    #[default]
+    Uniform,
+    /// Where the error of the stress is greatest. From the coarsest mesh on, the equilibrium is solved, and the triangles that have half of the sum of the
+    /// [squared errors](crate::scene::StressErrors) are divided, until there are as many as wanted.
+    Adaptive,
+}
+
+/// A series of meshes that are compared, from coarse to fine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MeshSeries {
+    /// Kind of the elements of all bodies, if kinds are compared.
+    pub element: Option<ElementKind>,
+    /// How they are refined.
+    pub refinement: Refinement,
+}
+
+impl MeshSeries {
+    /// Its name, in plain words.
+    pub fn title(self) -> String {
+        let element = self.element.map_or("", ElementKind::title);
+        match self.refinement {
+            Refinement::Uniform => element.to_owned(),
+            Refinement::Adaptive if element.is_empty() => "Adaptive".to_owned(),
+            Refinement::Adaptive => format!("{element} (adaptive)"),
+        }
+    }
+
+    /// Its name in one word, as the kinds of elements have it.
+    pub fn word(self) -> String {
+        let element = self.element.map(|kind| format!("{kind:?}"));
+        let adaptive = (self.refinement == Refinement::Adaptive).then(|| "Adaptive".to_owned());
+        element.into_iter().chain(adaptive).collect::<Vec<_>>().join("+")
+    }
 }
 
 /// Plan of a mesh study.
@@ -34,6 +74,8 @@ pub struct MeshPlan {
     pub triangles: Vec<u32>,
     /// Kinds of elements that are compared, each on meshes of these numbers of triangles; if empty, those of the level.
     pub elements: Vec<ElementKind>,
+    /// Whether each kind of elements is also refined only where the stress has its error. For this the bodies must come to rest.
+    pub adaptive: bool,
     /// Quantity that is compared.
     pub measure: Measure,
     /// Time at which the quantity is measured.
@@ -45,7 +87,7 @@ pub struct MeshPlan {
 impl Default for MeshPlan {
     fn default() -> Self {
         let (measure, moment) = (Measure::default(), MeshMoment::default());
-        Self { triangles: Vec::new(), elements: Vec::new(), measure, moment, threads: threads() }
+        Self { triangles: Vec::new(), elements: Vec::new(), adaptive: false, measure, moment, threads: threads() }
     }
 }
 
@@ -61,8 +103,8 @@ impl std::fmt::Display for MeshMoment {
 /// Mesh and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshPoint {
-    /// Kind of the elements of all bodies, if kinds are compared.
-    pub element: Option<ElementKind>,
+    /// The series that it belongs to.
+    pub series: MeshSeries,
     /// Number of triangles, those that elements of six nodes are divided into. Before the mesh is built: the target number.
     pub triangles: usize,
     /// Number of vertices.
@@ -87,8 +129,8 @@ struct Slot {
     run_state: RunState,
     /// Processor time of the first run.
     spent: Duration,
-    /// Scene that is run again.
-    scene: Option<Box<Scene>>,
+    /// Scenes that are solved again for their time: the coarser meshes of an adaptive one, and that of the mesh.
+    scenes: Vec<Scene>,
     /// Whether one more run is due in this round.
     due: bool,
     again: Option<Box<March>>,
@@ -96,6 +138,8 @@ struct Slot {
 
 enum RunState {
     Waiting,
+    /// The next mesh of an adaptive series is solved.
+    Refining,
     Marching(Box<March>),
     Over,
 }
@@ -109,7 +153,7 @@ pub struct MeshStudy {
     /// The kinds of elements, each with a scene whose files are read.
     kinds: Vec<(Option<ElementKind>, Scene)>,
     left_out: Vec<(ElementKind, String)>,
-    /// One kind of elements after the other, each from coarse to fine.
+    /// One series after the other, each from coarse to fine.
     slots: Vec<Slot>,
     repetitions: Repetitions,
     finished: bool,
@@ -125,8 +169,8 @@ pub struct MeshReference {
     pub own_error: f64,
     /// Order p of the differences, which shrink as h^p.
     pub order: f64,
-    /// Kind of elements that it is of, if kinds are compared.
-    pub element: Option<ElementKind>,
+    /// Series that it is of.
+    pub series: MeshSeries,
 }
 
 /// Orders for which values are extrapolated. Linear triangles have order 2; quadratic ones 3, and 4 in energies, but 2 under distributed loads, which
@@ -184,7 +228,7 @@ impl MeshStudy {
     pub fn new(level: &Level, files: &dyn Files, seconds: f64, plan: MeshPlan) -> Result<Self, StudyError> {
         let level = Level { state: None, ..level.clone() };
         let trial = Trial::new(&level, files, seconds)?;
-        if plan.moment == MeshMoment::AtRest && trial.scene.pins.len() < 2 {
+        if plan.moment == MeshMoment::AtRest && !trial.scene.is_held() {
             return Err(StudyError::NotHere(
                 "this level does not hold its bodies, so they do not come to rest: compare meshes at the end of some time",
             ));
@@ -207,18 +251,21 @@ impl MeshStudy {
         if plan.elements.is_empty() {
             kinds.push((None, trial.scene.clone()));
         }
-        for (element, triangles) in
-            kinds.iter().flat_map(|(kind, _)| wanted.iter().map(move |triangles| (*kind, *triangles)))
-        {
-            let level = with_elements(&level, element, f64::from(triangles) / own)?;
-            // Targets that give the same mesh are merged.
-            if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
-                let (triangles, status) = (triangles as usize, Status::Ok);
-                let point =
-                    MeshPoint { element, triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 };
-                let (run_state, spent) = (RunState::Waiting, Duration::ZERO);
-                slots.push(Slot { level, point, moved: 0.0, run_state, spent, scene: None, due: false, again: None });
+        let is_adaptive = plan.adaptive && plan.moment == MeshMoment::AtRest;
+        for (element, _) in &kinds {
+            for triangles in &wanted {
+                let level = with_elements(&level, *element, f64::from(*triangles) / own)?;
+                // Targets that give the same mesh are merged.
+                if slots.iter().all(|slot| slot.level.bodies != level.bodies) {
+                    let series = MeshSeries { element: *element, refinement: Refinement::Uniform };
+                    slots.push(Slot::new(level, series, *triangles as usize));
+                }
             }
+            let series = MeshSeries { element: *element, refinement: Refinement::Adaptive };
+            let (Some(coarsest), true) = (wanted.first(), is_adaptive) else { continue };
+            let level = with_elements(&level, *element, f64::from(*coarsest) / own)?;
+            let finer = wanted.iter().filter(|triangles| *triangles > coarsest);
+            slots.extend(finer.map(|triangles| Slot::new(level.clone(), series, *triangles as usize)));
         }
         let limit = limit(&trial.scene, &trial.start);
         Ok(Self { trial, plan, limit, kinds, left_out, slots, repetitions: Repetitions::default(), finished: false })
@@ -246,7 +293,7 @@ impl MeshStudy {
         self.repeat(deadline);
         let weight = |slot: &Slot| libm::pow(slot.point.triangles as f64, 1.5);
         let done = |slot: &Slot| match &slot.run_state {
-            RunState::Waiting => 0.0,
+            RunState::Waiting | RunState::Refining => 0.0,
             RunState::Marching(march) => march.done(),
             RunState::Over => 1.0,
         };
@@ -281,11 +328,11 @@ impl MeshStudy {
             });
         }
         if self.finished {
-            self.slots.iter_mut().for_each(|slot| slot.scene = None);
+            self.slots.iter_mut().for_each(|slot| slot.scenes.clear());
         }
     }
 
-    /// Meshes, one kind of elements after the other, each from coarse to fine.
+    /// Meshes, one series after the other, each from coarse to fine.
     pub fn points(&self) -> impl Iterator<Item = &MeshPoint> {
         self.slots.iter().map(|slot| &slot.point)
     }
@@ -295,7 +342,8 @@ impl MeshStudy {
         let own = self.trial.scene.bodies.iter().map(|body| body.elements.kind());
         point.vertices == self.trial.scene.vertices()
             && point.triangles == self.trial.scene.triangles.len()
-            && point.element.is_none_or(|element| own.into_iter().all(|kind| kind == element))
+            && point.series.refinement == Refinement::Uniform
+            && point.series.element.is_none_or(|element| own.into_iter().all(|kind| kind == element))
     }
 
     /// Reference value, or the reason why there is none. `None` until all meshes have run.
@@ -305,20 +353,22 @@ impl MeshStudy {
     }
 
     fn extrapolate(&self) -> Result<MeshReference, NoMeshReference> {
-        let found: Vec<_> = self.elements().into_iter().map(|element| self.extrapolate_of(element)).collect();
+        // Adaptive meshes do not become finer everywhere by one factor.
+        let uniform = self.series().into_iter().filter(|series| series.refinement == Refinement::Uniform);
+        let found: Vec<_> = uniform.map(|series| self.extrapolate_of(series)).collect();
         let best = found.iter().flatten().min_by(|one, other| one.own_error.total_cmp(&other.own_error));
         best.map_or_else(|| found.first().copied().unwrap_or(Err(NoMeshReference::TooFewMeshes)), |best| Ok(*best))
     }
 
-    /// The kinds of elements that are compared; `None` for those of the level.
-    pub fn elements(&self) -> Vec<Option<ElementKind>> {
-        let mut all: Vec<_> = self.points().map(|point| point.element).collect();
+    /// The series that are compared.
+    pub fn series(&self) -> Vec<MeshSeries> {
+        let mut all: Vec<_> = self.points().map(|point| point.series).collect();
         all.dedup();
         all
     }
 
-    fn extrapolate_of(&self, element: Option<ElementKind>) -> Result<MeshReference, NoMeshReference> {
-        let own = self.slots.iter().filter(|slot| slot.point.element == element);
+    fn extrapolate_of(&self, series: MeshSeries) -> Result<MeshReference, NoMeshReference> {
+        let own = self.slots.iter().filter(|slot| slot.point.series == series);
         let values: Vec<_> = own.filter_map(|slot| Some((slot.point.size, slot.point.value?))).collect();
         let extent = self.trial.scene.rest.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
         let moved = self.slots.iter().map(|slot| slot.moved).fold(0.0, f64::max);
@@ -337,14 +387,14 @@ impl MeshStudy {
         let shrinking = (v2 - v1) / (v1 - v0);
         let order = (shrinking > 0.0).then(|| order_of_differences([h0, h1, h2], shrinking));
         let own = self.trial.scene.bodies.first().map_or(ElementKind::Linear, |body| body.elements.kind());
-        let valid = orders(element.unwrap_or(own));
+        let valid = orders(series.element.unwrap_or(own));
         let Some(order) = order.filter(|order| valid.contains(order)) else {
             let (last, greatest) = (((v0 - v1) / v0).abs(), *valid.end());
             return Err(NoMeshReference::NotShrinking { order, greatest, finest: v0, last });
         };
         let beyond = (v0 - v1) / (libm::pow(h1 / h0, order) - 1.0);
         let value = v0 + beyond;
-        Ok(MeshReference { value, own_error: (beyond / value).abs(), order, element })
+        Ok(MeshReference { value, own_error: (beyond / value).abs(), order, series })
     }
 
     /// Whether the values depend on the mesh. False until all meshes have run.
@@ -364,20 +414,20 @@ impl MeshStudy {
         &self.left_out
     }
 
-    /// For each kind of elements but the first: the cheapest mesh that is as exact as the finest one of the first kind, and that one; nothing
-    /// where there is none, or where the reference is of the first kind and as exact as its finest mesh.
+    /// For each series but the first: the cheapest mesh that is as exact as the finest one of the first, and that one; nothing where there is none. If the
+    /// reference is extrapolated from the first series, its finest mesh but one is taken.
     pub fn as_exact(&self) -> Vec<[&MeshPoint; 2]> {
-        let [first, others @ ..] = &*self.elements() else { return Vec::new() };
-        let known = |kind: Option<ElementKind>| {
-            let own = self.points().filter(move |point| point.element == kind && point.ms > 0.0);
+        let [first, others @ ..] = &*self.series() else { return Vec::new() };
+        let known = |series: MeshSeries| {
+            let own = self.points().filter(move |point| point.series == series && point.ms > 0.0);
             own.filter_map(|point| Some((point, self.error_of(point)?)))
         };
-        let Some((finest, error)) = known(*first).last() else { return Vec::new() };
-        if self.reference().and_then(Result::ok).is_none_or(|reference| reference.element == *first) {
-            return Vec::new();
-        }
-        let cheapest = |kind: &Option<ElementKind>| {
-            let exact = known(*kind).filter(|(_, own)| *own <= error);
+        let Some(Ok(reference)) = self.reference() else { return Vec::new() };
+        let from_end = usize::from(reference.series == *first);
+        let own: Vec<_> = known(*first).collect();
+        let Some((finest, error)) = own.iter().rev().nth(from_end).copied() else { return Vec::new() };
+        let cheapest = |series: &MeshSeries| {
+            let exact = known(*series).filter(|(_, own)| *own <= error);
             exact.map(|(point, _)| point).min_by(|one, other| one.ms.total_cmp(&other.ms))
         };
         others.iter().filter_map(cheapest).map(|point| [point, finest]).collect()
@@ -386,7 +436,7 @@ impl MeshStudy {
     /// The same, a sentence for each.
     pub fn as_exact_in_words(&self) -> Vec<String> {
         let sentence = |[point, other]: [&MeshPoint; 2]| {
-            let [name, other_name] = [point, other].map(|point| point.element.map_or("", ElementKind::title));
+            let [name, other_name] = [point, other].map(|point| point.series.title());
             let times = other.ms / point.ms;
             let cost = match times {
                 1.0.. => format!("{times:.1} times cheaper"),
@@ -401,12 +451,12 @@ impl MeshStudy {
         self.as_exact().into_iter().map(sentence).collect()
     }
 
-    /// Measured order of the error of a kind of elements in the triangle size, by [`measured_order`].
+    /// Measured order of the error of a series in the triangle size, by [`measured_order`].
     /// The finest mesh that the reference was made from does not count.
     ///
     /// # Errors
     /// [`NoOrder`] if no order can be measured.
-    pub fn order(&self, element: Option<ElementKind>) -> MeasuredOrder {
+    pub fn order(&self, series: MeshSeries) -> MeasuredOrder {
         let reference = match self.reference() {
             Some(Ok(reference)) => reference,
             Some(Err(NoMeshReference::NothingMoves)) => return Err(NoOrder::NothingMoves),
@@ -415,8 +465,8 @@ impl MeshStudy {
             Some(Err(NoMeshReference::NotShrinking { .. })) | None => return Err(NoOrder::NoReference),
         };
         let sample = |point: &MeshPoint| Some(Sample { h: point.size, error: self.error_of(point)? });
-        let mut samples: Vec<_> = self.points().filter(|point| point.element == element).filter_map(sample).collect();
-        if reference.element == element {
+        let mut samples: Vec<_> = self.points().filter(|point| point.series == series).filter_map(sample).collect();
+        if reference.series == series {
             samples.pop();
         }
         measured_order(samples, Limits { round_off: ROUND_OFF, reference: reference.own_error })
@@ -441,6 +491,20 @@ fn order_of_differences([h0, h1, h2]: [f64; 3], shrinking: f64) -> f64 {
 }
 
 impl Slot {
+    fn new(level: Level, series: MeshSeries, triangles: usize) -> Self {
+        let status = Status::Ok;
+        Self {
+            level,
+            point: MeshPoint { series, triangles, vertices: 0, size: 0.0, value: None, status, ms: 0.0, runs: 0 },
+            moved: 0.0,
+            run_state: RunState::Waiting,
+            spent: Duration::ZERO,
+            scenes: Vec::new(),
+            due: false,
+            again: None,
+        }
+    }
+
     fn until(
         &mut self,
         trial: &Trial,
@@ -448,9 +512,12 @@ impl Slot {
         (limit, kinds): (f64, &[(Option<ElementKind>, Scene)]),
         deadline: Deadline,
     ) {
-        if matches!(self.run_state, RunState::Waiting) {
-            let known = kinds.iter().find(|(kind, _)| *kind == self.point.element);
+        while matches!(self.run_state, RunState::Waiting | RunState::Refining) {
+            let known = kinds.iter().find(|(kind, _)| *kind == self.point.series.element);
             self.run_state = self.begin(trial, plan, (limit, known.map(|(_, scene)| scene)));
+            if deadline.passed() {
+                return;
+            }
         }
         let RunState::Marching(march) = &mut self.run_state else { return };
         if march.advance(deadline, &mut |_, _| ControlFlow::Continue(())) {
@@ -462,7 +529,7 @@ impl Slot {
                 let (scene, x) = (simulation.scene(), &simulation.state().x);
                 self.point.value = Some(plan.measure.of(scene, x));
                 self.moved = Measure::TipDeflection.of(scene, x);
-                self.scene = Some(Box::new(scene.clone()));
+                self.scenes.push(scene.clone());
             }
             self.run_state = RunState::Over;
         }
@@ -471,36 +538,47 @@ impl Slot {
     /// Builds the mesh. Then solves the equilibrium, or prepares a march.
     fn begin(&mut self, trial: &Trial, plan: &MeshPlan, (own_limit, known): (f64, Option<&Scene>)) -> RunState {
         // Files were read for the scene of each kind. Parts that cannot be refined are taken from it.
-        let built = Scene::build(&self.level, self.level.mode, &NoFiles, known);
-        let Ok(scene) = built else {
+        let Ok(scene) = Scene::build(&self.level, self.level.mode, &NoFiles, known) else {
             self.point.status = Status::Unconverged;
             return RunState::Over;
         };
+        let (count, wanted) = (scene.triangles.len(), self.point.triangles);
+        if plan.moment == MeshMoment::AtTheEnd {
+            self.describe(&scene);
+            return RunState::Marching(march(&scene, trial, own_limit));
+        }
+        let stopwatch = Stopwatch::start();
+        let rest = solutions::rest(&scene).filter(|(_, counts)| counts.unconverged == 0);
+        let divided = rest.as_ref().filter(|_| self.point.series.refinement == Refinement::Adaptive && count < wanted);
+        let worst = divided.map(|(x, _)| scene.stress_errors(x).worst(StressErrors::HALF));
+        self.spent += stopwatch.elapsed();
+        if worst.is_some_and(|worst| refine(&mut self.level, &scene, &worst)) {
+            self.scenes.push(scene);
+            return RunState::Refining;
+        }
+        self.describe(&scene);
+        (self.point.ms, self.point.runs) = (self.spent.as_secs_f64() * 1e3, 1);
+        let Some((x, _)) = rest else {
+            self.point.status = Status::Unconverged;
+            return RunState::Over;
+        };
+        self.point.value = Some(plan.measure.of(&scene, &x));
+        self.moved = Measure::TipDeflection.of(&scene, &x);
+        self.scenes.push(scene);
+        RunState::Over
+    }
+
+    /// Stores the numbers of triangles and vertices, and the size of the triangles.
+    fn describe(&mut self, scene: &Scene) {
         let count = scene.triangles.len();
         let area: f64 = scene.bodies.iter().flat_map(|body| body.elements.rest_areas()).sum();
         (self.point.triangles, self.point.vertices) = (count, scene.vertices());
         self.point.size = (2.0 * area / count as f64).sqrt();
-        if plan.moment == MeshMoment::AtTheEnd {
-            return RunState::Marching(march(&scene, trial, own_limit));
-        }
-        let stopwatch = Stopwatch::start();
-        let rest = solutions::rest(&scene);
-        self.spent = stopwatch.elapsed();
-        (self.point.ms, self.point.runs) = (self.spent.as_secs_f64() * 1e3, 1);
-        match rest {
-            Some((x, counts)) if counts.unconverged == 0 => {
-                self.point.value = Some(plan.measure.of(&scene, &x));
-                self.moved = Measure::TipDeflection.of(&scene, &x);
-                self.scene = Some(Box::new(scene));
-            }
-            _ => self.point.status = Status::Unconverged,
-        }
-        RunState::Over
     }
 
     /// Repeats a finished run to measure its time.
     fn again(&mut self, trial: &Trial, plan: &MeshPlan, own_limit: f64, deadline: Deadline) {
-        let Some(scene) = self.scene.as_deref() else {
+        let Some((scene, coarser)) = self.scenes.split_last() else {
             self.due = false;
             return;
         };
@@ -512,6 +590,9 @@ impl Slot {
             march.ms_per_second()
         } else {
             let stopwatch = Stopwatch::start();
+            for scene in coarser {
+                solutions::rest(scene).map(|(x, _)| scene.stress_errors(&x).worst(StressErrors::HALF));
+            }
             solutions::rest(scene);
             stopwatch.elapsed().as_secs_f64() * 1e3
         };
@@ -535,89 +616,4 @@ fn scaled(setting: &Setting, factor: f64) -> Setting {
         Class::Implicit | Class::ErrorControlled => setting.substeps,
     };
     Setting { substeps, ..setting.clone() }
-}
-
-/// Quantity that is compared between meshes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Measure {
-    /// Greatest displacement of any vertex from its rest position along x or y \[m\]: the tip deflection of a bar.
-    #[default]
-    TipDeflection,
-    /// Elastic energy of all elements \[J\].
-    ElasticEnergy,
-}
-
-impl Measure {
-    /// All quantities.
-    pub const ALL: [Self; 2] = [Self::TipDeflection, Self::ElasticEnergy];
-
-    /// Name in plain words.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::TipDeflection => "tip deflection",
-            Self::ElasticEnergy => "elastic energy",
-        }
-    }
-
-    /// Unit.
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::TipDeflection => "m",
-            Self::ElasticEnergy => "J",
-        }
-    }
-
-    /// Value at given positions of a scene.
-    pub fn of(self, scene: &Scene, x: &[f64]) -> f64 {
-        match self {
-            Self::TipDeflection => x.iter().zip(&scene.rest).map(|(x, rest)| (x - rest).abs()).fold(0.0, f64::max),
-            Self::ElasticEnergy => scene.bodies.iter().map(|body| body.elements.elastic_energy(x)).sum(),
-        }
-    }
-}
-
-/// Level with about `share` times as many triangles, of bodies with elements of one kind, if it is given.
-pub(super) fn with_elements(level: &Level, element: Option<ElementKind>, share: f64) -> Result<Level, StudyError> {
-    let Some(element) = element else { return with_triangles(level, share) };
-    let mut level = level.clone();
-    let divided = |kind: ElementKind| if kind.has_six_nodes() { 4.0 } else { 1.0 };
-    let shares: Vec<_> = level.bodies.iter().map(|body| share * divided(body.element) / divided(element)).collect();
-    level.bodies.iter_mut().for_each(|body| body.element = element);
-    with_shares(&level, &shares)
-}
-
-/// Level with about `share` times as many triangles, as nearly as its meshes allow.
-/// Numbers of triangles are scaled by `share`, numbers of cells and rings by its square root.
-pub fn with_triangles(level: &Level, share: f64) -> Result<Level, StudyError> {
-    with_shares(level, &vec![share; level.bodies.len()])
-}
-
-/// The same with a share for each body.
-fn with_shares(level: &Level, shares: &[f64]) -> Result<Level, StudyError> {
-    let mut level = level.clone();
-    let mut refined = false;
-    for (body, &share) in level.bodies.iter_mut().zip(shares) {
-        let mut own = false;
-        for parameter in body.mesh.kind_mut().parameters() {
-            let factor = match parameter.spec().name {
-                name if name == Triangles::SPEC.name => share,
-                name if name == Cells::SPEC.name || name == Rings::SPEC.name => share.sqrt(),
-                _ => continue,
-            };
-            let (slider, value) = (parameter.spec(), parameter.get());
-            let wanted = (value * factor).round();
-            // A number below the least allowed value becomes that value.
-            if parameter.set(wanted.max(1.0)).is_err() && wanted < slider.slider.0 {
-                let _ = parameter.set(100.0);
-            }
-            own = true;
-        }
-        if own && body.pins.iter().any(|pin| matches!(pin, Pin::Vertex(_))) {
-            return Err(StudyError::NotHere(
-                "a pin names a vertex by number, and another mesh has that number elsewhere: pin an edge, or the vertex nearest to a point",
-            ));
-        }
-        refined |= own;
-    }
-    if refined { Ok(level) } else { Err(StudyError::NotHere("no mesh of this level has a resolution to vary")) }
 }

@@ -33,7 +33,9 @@ mod drift;
 mod export;
 mod locking;
 mod march;
+mod measure;
 mod mesh_study;
+mod other_meshes;
 mod reference;
 mod savings;
 mod solutions;
@@ -43,15 +45,18 @@ mod work_precision;
 
 pub use budget::{ErrorBudget, Source as ErrorSource, SourceKind};
 pub use dial::{Dial, DialPlan, Reached};
-pub use difference::{Apart, Correspondence, Difference, counterpart};
+pub use difference::{Apart, Difference, counterpart};
 pub use drift::{Drift, DriftRun, Invariant, Moment};
 #[cfg(feature = "csv")]
 pub use export::{Origin, head, is_time_column, price_in_words};
 pub use locking::{Locking, LockingNumber, MeshKindOf};
 pub use march::{CLOCK, MILLISECONDS, MOST_RUNS, RESOLUTION, share_partitions, threads};
 pub(crate) use march::{Deadline, Stopwatch, spread};
-pub(crate) use mesh_study::with_triangles;
-pub use mesh_study::{Measure, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoMeshReference};
+pub use measure::Measure;
+pub use mesh_study::{
+    MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshSeries, MeshStudy, NoMeshReference, Refinement,
+};
+pub(crate) use other_meshes::with_triangles;
 pub use reference::{
     ErrorNote, Limits, MeasuredOrder, NoOrder, Reference, ReferenceJob, Sample, Source, measured_order, order_in_words,
 };

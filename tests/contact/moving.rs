@@ -321,14 +321,14 @@ fn the_guard_accepts_the_work_of_moving_walls() {
 
 #[test]
 fn the_velocity_of_a_motion_is_the_rate_of_its_place() {
-    let text = "Turn(about: (0.3, -0.2), spin: 5), Swing(way: (0.3, 0.1), period: 0.9, phase: 20), Turn(about: (1, 1), spin: -2), Slide(velocity: (3, 1), from: 0.1, until: 5)";
+    let text = "Turn(about: (0.3, -0.2), spin: 5), Swing(way: (0.3, 0.1), period: 0.9, phase: 20), Turn(about: (1, 1), spin: -2), Slide(velocity: (3, 1), from: 0.1, until: 5), Spline(points: [(0.5, (0, 0)), (0.9, (0.2, 0.1)), (2, (0.1, 0.5)), (5, (0, 0))])";
     let EffectKind::Walls(walls) =
         level(&format!("(name: \"\", bodies: [], effects: [{}])", walls(PISTONS[0], text))).effects.remove(0).effect
     else {
         unreachable!("{text}")
     };
     let motions: Vec<MotionKind> = walls.obstacles[0].kind().motions();
-    assert_eq!(motions.len(), 4);
+    assert_eq!(motions.len(), 5);
     for time in [0.05, 0.7, 3.3, 7.0] {
         let (now, dt) = (placed(&motions, time), 1e-6);
         for point in [[0.0, 0.0], [1.5, -0.7]] {

@@ -58,6 +58,8 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("struct RecordedEnd", "level/script.rs", "End of a recorded run"),
     ("struct Check", "level/check.rs", "Known result"),
     ("enum CheckPlace", "level/check.rs", "Place of a known result"),
+    ("struct Note", "level/note.rs", "Note"),
+    ("enum NotePlace", "level/note.rs", "Place of a note"),
     ("enum Diagonals", "meshes/rectangle.rs", "Diagonals of a rectangle"),
     ("struct Case", "hard/case.rs", "Hard case"),
     ("enum Lasts", "hard/case.rs", "Duration of a hard case"),
@@ -380,7 +382,8 @@ pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
     let bodies = "Level RunMode SubstepMode Toggle BodyLevel ElementKind Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
-    let actions = "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd Check CheckPlace";
+    let actions =
+        "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd Check CheckPlace Note NotePlace";
     for kind in bodies.split(' ').chain(actions.split(' ')) {
         section(&mut page, kind);
     }

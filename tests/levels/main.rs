@@ -8,3 +8,4 @@ mod hostile;
 mod levels;
 mod meshes;
 mod random_levels;
+mod refinement;

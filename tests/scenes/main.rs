@@ -18,6 +18,7 @@ mod own_kinds;
 mod probes;
 mod projection;
 mod recording;
+mod refinement;
 mod sandbox;
 mod sleep;
 mod snapshot;

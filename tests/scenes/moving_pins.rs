@@ -1,11 +1,13 @@
 //! Facts about pinned vertices that move along a path.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failing test should panic")]
 
-use crate::common::{continues_bit_for_bit, greatest_gap, level, named, simulation};
+use crate::common::{continues_bit_for_bit, greatest_gap, level, named, running, simulation};
 use gingerbread::{
+    command::Command,
     integrators::{Class, IntegratorKind},
     level::Level,
     meshes::NoFiles,
+    sandbox::Sandbox,
     scene::Scene,
     simulation::Simulation,
 };
@@ -175,4 +177,98 @@ fn corners_and_random_vertices_can_be_pinned() {
     assert_eq!(random, pinned("Random(count: 5, seed: 3)"));
     assert_ne!(random, pinned("Random(count: 5, seed: 4)"));
     assert_eq!(pinned("Random(count: 99, seed: 3)").len(), 15);
+}
+
+/// It is where it should be at each time, at rest at both ends, and its velocity does not jump.
+#[test]
+fn a_spline_passes_smoothly_through_its_points() {
+    let spline = "Spline(points: [(0.1, (0, 0)), (0.3, (0.02, 0.01)), (0.4, (0.02, -0.01)), (0.7, (-0.03, 0))])";
+    for parts in ALL {
+        let run = simulation(&held(parts, "Left", spline, ""));
+        let scene = run.scene();
+        let pin = scene.held().next().unwrap() as usize;
+        let first = scene.dimension * pin;
+        let at = |time: f64| {
+            let (mut x, mut v) = (scene.start.x.clone(), scene.start.v.clone());
+            scene.place_held(time, &mut x, &mut v);
+            [0, 1].map(|axis| [x[first + axis] - scene.start.x[first + axis], v[first + axis]])
+        };
+        let ends = [(0.0, [0.0, 0.0]), (0.1, [0.0, 0.0]), (0.7, [-0.03, 0.0]), (2.0, [-0.03, 0.0])];
+        for (time, place) in ends.into_iter().chain([(0.3, [0.02, 0.01]), (0.4, [0.02, -0.01])]) {
+            let found = at(time);
+            assert!((0..2).all(|axis| (found[axis][0] - place[axis]).abs() < 1e-15), "{time}: {found:?}");
+            if !(0.2..0.6).contains(&time) {
+                assert!(found.iter().all(|[_, v]| *v == 0.0), "{time}: {found:?}");
+            }
+        }
+        for time in [0.1, 0.3, 0.4, 0.7] {
+            let [before, after] = [at(time - 1e-9), at(time + 1e-9)];
+            assert!((0..2).all(|axis| (before[axis][1] - after[axis][1]).abs() < 1e-6), "{time}: {before:?} {after:?}");
+        }
+        // Halfway through the ramp of its first two points, apart from the tangent of the second.
+        assert!((at(0.3)[0][1] - 0.02 / 0.3).abs() < 1e-12);
+    }
+    let refused = |points: &str| {
+        let level = held(BODY, "Left", &format!("Spline(points: [{points}])"), "");
+        Scene::build(&level, level.mode, &NoFiles, None).err().unwrap().to_string()
+    };
+    assert!(refused("").contains("at least one point"));
+    let unordered = refused("(0, (0, 0)), (1, (1, 0)), (1, (2, 0))");
+    assert!(unordered.contains("after 1 s comes 1 s"), "{unordered}");
+    assert!(refused("(0, (0, 0)), (1, (1, 0, 0))").contains("two coordinates"));
+    assert!(refused("(0, (0, 0, 0)), (1, (1, 0, 0))").contains("in space"));
+}
+
+/// A vertex that is dragged along a path follows it from where it is, with every integrator.
+#[test]
+fn a_drawn_path_is_followed() {
+    let path: Vec<_> = (0..=40).map(|i| f64::from(i) * 0.025).map(|t| (t, [0.05 * t, 0.05 * t * t, 0.0])).collect();
+    for kind in IntegratorKind::all() {
+        let level = level(&format!(
+            "(name: \"\", substeps: 40, {BODY}, effects: [(effect: Gravity(down: 1)), (effect: Rayleigh(mass: 0, stiffness: 0.001))])"
+        ));
+        let mut sandbox = running(Level { integrator: kind.clone(), ..level });
+        // The body falls, so that the vertex is no longer where it began; each time another path takes the place of the one before.
+        for drawn in 1..=3 {
+            sandbox.advance(400, &mut || true);
+            let place = |sandbox: &Sandbox| [0, 1].map(|axis| sandbox.simulation().state().x[axis]);
+            let (from, began) = (place(&sandbox), sandbox.simulation().state().time);
+            sandbox.apply(Command::MoveAlong(0, path.clone())).unwrap();
+            let now = place(&sandbox);
+            assert!((now[0] - from[0]).abs() + (now[1] - from[1]).abs() < 1e-12, "{}: {from:?} {now:?}", kind.name());
+            assert_eq!(sandbox.document().level.effects.len(), 3, "{}", kind.name());
+            sandbox.advance(1200, &mut || true);
+            assert!(sandbox.simulation().fault().is_none(), "{}: {:?}", kind.name(), sandbox.simulation().fault());
+            let (to, t) = (place(&sandbox), sandbox.simulation().state().time - began);
+            let gap = (to[0] - from[0] - 0.05 * t).hypot(to[1] - from[1] - 0.05 * t * t);
+            assert!(t > 0.4 && t < 0.6 && gap < 1e-3, "{} {drawn}: {gap} m at {t} s", kind.name());
+        }
+        for effects in [3, 3, 2] {
+            sandbox.apply(Command::Undo).unwrap();
+            assert_eq!(sandbox.document().level.effects.len(), effects);
+        }
+    }
+}
+
+/// A pinned vertex takes all pins of its part along. What cannot be followed is refused, and nothing changes.
+#[test]
+fn pins_follow_a_drawn_path_together() {
+    let path: Vec<_> = (0..=20).map(|i| 0.05 * f64::from(i)).map(|t| (t, [0.0, 0.1 * t, 0.0])).collect();
+    for parts in ALL {
+        let pinned = parts.replace("(name: \"it\",", "(name: \"it\", pins: [Left],");
+        let mut sandbox = running(level(&format!("(name: \"\", {pinned})")));
+        let pins = sandbox.simulation().scene().pins.to_vec();
+        let size = sandbox.simulation().scene().dimension;
+        let start = sandbox.simulation().state().x.clone();
+        sandbox.apply(Command::MoveAlong(pins[1] as usize, path.clone())).unwrap();
+        sandbox.apply(Command::SetRunning(true)).unwrap();
+        sandbox.advance(60 * u64::from(sandbox.document().level.substeps.get()) + 5, &mut || true);
+        let x = &sandbox.simulation().state().x;
+        let moved = |pin: u32| x[size * pin as usize + 1] - start[size * pin as usize + 1];
+        assert!(pins.iter().all(|pin| (moved(*pin) - 0.1).abs() < 1e-12), "{pins:?}");
+        for refused in [Command::MoveAlong(100_000, path.clone()), Command::MoveAlong(0, path[..1].to_vec())] {
+            let before = sandbox.document().clone();
+            assert!(sandbox.apply(refused).is_err() && *sandbox.document() == before);
+        }
+    }
 }

@@ -4,10 +4,10 @@
 use gingerbread::{
     files, levels,
     meshes::NoFiles,
-    scene::Scene,
+    scene::{Correspondence, Scene},
     simulation::Simulation,
     state::State,
-    study::{Apart, Correspondence, Difference, counterpart},
+    study::{Apart, Difference, counterpart},
 };
 
 /// A level with the last number of each mesh, its resolution, scaled.

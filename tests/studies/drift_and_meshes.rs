@@ -10,7 +10,8 @@ use gingerbread::{
     level::Level,
     meshes::NoFiles,
     study::{
-        Drift, Invariant, Locking, Measure, MeshMoment, MeshPlan, MeshStudy, NoMeshReference, NoOrder, Setting, Status,
+        Drift, Invariant, Locking, Measure, MeshMoment, MeshPlan, MeshSeries, MeshStudy, NoMeshReference, NoOrder,
+        Setting, Status,
     },
 };
 use std::time::Duration;
@@ -30,14 +31,15 @@ fn bar_of(columns: u32, rows: u32, diagonals: &str, poisson: f64) -> Level {
 
 #[test]
 fn mesh_errors_have_the_order_of_linear_triangles() {
-    for measure in Measure::ALL {
+    // The stress has no limit in the corners of a clamped end.
+    for measure in [Measure::TipDeflection, Measure::ElasticEnergy] {
         let plan = MeshPlan { measure, triangles: vec![256, 1024, 4096, 16384], threads: 2, ..MeshPlan::default() };
         let mut study = MeshStudy::new(&bar(16, 4), &NoFiles, 1.0, plan).unwrap();
         while !study.advance(Duration::from_millis(50)).finished {}
         let errors: Vec<_> = study.points().map(|point| study.error_of(point).unwrap()).collect();
         let points: Vec<_> = study.points().collect();
         assert!(errors.windows(2).all(|pair| pair[1] < pair[0]), "{measure:?}: {errors:?} {points:?}");
-        let order = study.order(None).unwrap();
+        let order = study.order(MeshSeries::default()).unwrap();
         assert!((1.0..2.3).contains(&order), "{measure:?}: order {order}");
         let own = study.reference().unwrap().unwrap().own_error;
         assert!(own < 0.02, "{measure:?}: {own}");
@@ -51,8 +53,8 @@ fn meshes_that_never_rest_are_compared_at_a_final_time() {
         moment,
         measure: Measure::ElasticEnergy,
         triangles: vec![24, 96, 384],
-        elements: Vec::new(),
         threads: 1,
+        ..MeshPlan::default()
     };
     let refused = MeshStudy::new(&released(""), &NoFiles, 0.1, plan(MeshMoment::AtRest)).err().unwrap().to_string();
     assert!(refused.contains("does not hold"), "{refused}");
@@ -104,18 +106,24 @@ fn kinds_of_elements_are_compared() {
         let plan = MeshPlan { triangles: vec![128, 512, 2048], elements, threads: 1, ..MeshPlan::default() };
         let mut study = MeshStudy::new(&level, &NoFiles, 1.0, plan).unwrap();
         while !study.advance(WHOLE).finished {}
-        assert_eq!(study.elements().len(), kinds);
+        assert_eq!(study.series().len(), kinds);
         assert!(study.points().all(|point| point.value.is_some() && [128, 512, 2048].contains(&point.triangles)));
         let left_out =
             study.left_out().iter().all(|(kind, why)| *kind == ElementKind::MeanDilatation && why.contains("volume"));
         assert!(left_out && study.left_out().len() == 3 - kinds);
         // Quadratic elements are far more exact with as many triangles, so that a coarser mesh is enough.
         let errors = |kind| {
-            study.points().filter(move |point| point.element == Some(kind)).map(|point| study.error_of(point).unwrap())
+            study
+                .points()
+                .filter(move |point| point.series.element == Some(kind))
+                .map(|point| study.error_of(point).unwrap())
         };
         assert!(errors(ElementKind::Quadratic).zip(errors(ElementKind::Linear)).all(|(one, other)| one < 0.2 * other));
         let [.., [point, finest]] = *study.as_exact() else { unreachable!("quadratic elements are as exact") };
-        assert_eq!([point.element, finest.element], [Some(ElementKind::Quadratic), Some(ElementKind::Linear)]);
+        assert_eq!(
+            [point.series.element, finest.series.element],
+            [Some(ElementKind::Quadratic), Some(ElementKind::Linear)]
+        );
         assert!(point.triangles <= 512 && finest.triangles == 2048, "{point:?}");
         assert_eq!(study.as_exact_in_words().len(), study.as_exact().len());
     }
@@ -130,7 +138,7 @@ fn meshes_that_lock_have_no_reference_and_no_errors() {
     let NoMeshReference::NotShrinking { order, finest, last, .. } = refused else { unreachable!("{refused:?}") };
     assert!(order.unwrap() < 0.5 && last > 0.1 && Some(finest) == study.points().last().unwrap().value);
     assert!(study.points().all(|point| point.value.is_some() && study.error_of(point).is_none()));
-    assert_eq!(study.order(None), Err(NoOrder::NoReference));
+    assert_eq!(study.order(MeshSeries::default()), Err(NoOrder::NoReference));
     let csv = study.csv(&[]);
     let told = "# reference: No reference: the meshes' differences do not shrink as h^p with 0.5 <= p <= 2.5";
     assert!(csv.contains(told) && csv.contains("# measured_order: not measurable here: no reference"), "{csv}");
@@ -299,7 +307,9 @@ fn a_mesh_study_says_in_words_where_it_has_nothing_to_say() {
         let plan = MeshPlan { moment, triangles: vec![12, 48, 96], threads: 1, ..MeshPlan::default() };
         let mut study = MeshStudy::new(level, &NoFiles, 0.05, plan).unwrap();
         while !study.advance(WHOLE).finished {}
-        assert!(study.order(None).is_err() && study.points().all(|point| study.error_of(point).is_none()));
+        assert!(
+            study.order(MeshSeries::default()).is_err() && study.points().all(|point| study.error_of(point).is_none())
+        );
         study.reference().unwrap().err().unwrap().to_string()
     };
     assert!(refused(&level(RESTING), MeshMoment::AtTheEnd).contains("Nothing moves"));

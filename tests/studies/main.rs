@@ -1,5 +1,6 @@
 //! Promises about studies and the error of a running scene.
 
+mod adaptive;
 mod budget;
 #[path = "../common/mod.rs"]
 mod common;

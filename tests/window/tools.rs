@@ -176,3 +176,141 @@ fn a_drag_of_the_ruler_measures_in_space_between_vertices() {
     let [distance, dx, dy, dz] = [0, 1, 2, 3].map(|place| numbers[place].1);
     assert!(distance > 0.0 && (distance - (dx * dx + dy * dy + dz * dz).sqrt()).abs() < 1e-12 * distance);
 }
+
+/// A click and a drag with the tool divide triangles of bodies and of cloth, each as one change to undo; Escape cancels a drag.
+#[test]
+fn the_refine_tool_divides_triangles() {
+    for name in ["gingerbread", "flag"] {
+        let mut window = open(name);
+        let triangles = |window: &Window| {
+            let now = window.state().snapshot();
+            now.triangles.len() + now.membranes.iter().map(|membrane| membrane.mesh.triangles().len()).sum::<usize>()
+        };
+        let before = triangles(&window);
+        click(&mut window, "Tool");
+        click(&mut window, "Refine");
+        let middle = stage(&window).center();
+        click_at(&mut window, middle);
+        let once = triangles(&window);
+        assert!(once >= before + 3 && once < before + 30, "{name}: {once} of {before}, {:?}", window.state().notice());
+        let way = [middle - vec2(30.0, 0.0), middle, middle + vec2(30.0, 10.0), middle + vec2(60.0, 10.0)];
+        drag(&mut window, &way, Modifiers::NONE);
+        let dragged = triangles(&window);
+        assert!(dragged > once + 6, "{name}: {dragged} of {once}");
+        assert!(window.state().snapshot().pins.len() < 60, "{name}: it does not pin");
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(triangles(&window), once, "{name}");
+        // Escape in the middle of a drag.
+        button(&window, middle, true);
+        window.run_steps(1);
+        window.event(Event::PointerMoved(middle + vec2(50.0, 0.0)));
+        window.run_steps(2);
+        press(&mut window, Key::Escape);
+        button(&window, middle, false);
+        window.run_steps(2);
+        assert_eq!(triangles(&window), once, "{name}: it was cancelled");
+    }
+}
+
+/// The button divides where the stress has its error, tells what changed, and another takes the original mesh.
+#[test]
+fn a_button_refines_by_error() {
+    let mut window = open("cantilever");
+    let triangles = |window: &Window| window.state().snapshot().triangles.len();
+    let before = triangles(&window);
+    click_in_panel(&mut window, "Refine by error");
+    assert_eq!(triangles(&window), before);
+    assert!(window.state().notice().is_some_and(|notice| notice.contains("zero in every triangle")), "it is at rest");
+    press(&mut window, Key::M);
+    window.run_steps(30);
+    press(&mut window, Key::Space);
+    click_in_panel(&mut window, "Refine by error");
+    let refined = triangles(&window);
+    assert!(refined > before && refined < 4 * before, "{refined} of {before}");
+    assert!(window.state().sandbox().simulation().state().time > 0.0, "time goes on");
+    assert!(window.query_by_label_contains("triangles became").is_some());
+    click(&mut window, "More colours");
+    click(&mut window, "Stress error");
+    window.run_steps(3);
+    assert!(window.query_by_label_contains("Stress error, estimated").is_some());
+    click_in_panel(&mut window, "Remove refinement");
+    assert_eq!(triangles(&window), before);
+}
+
+/// A click places a note, on a vertex with which it moves, or at a point. Its text is typed at once, and each note is one change to undo.
+#[test]
+fn notes_are_placed_typed_and_removed() {
+    for name in ["gingerbread", "toronto_cloth"] {
+        let mut window = open(name);
+        let notes = |window: &Window| window.state().snapshot().level.notes.clone();
+        let count = window.state().snapshot().vertex_count();
+        let middle = stage(&window).center();
+        click(&mut window, "Tool");
+        click(&mut window, "Note");
+        click_at(&mut window, middle);
+        assert_eq!(notes(&window).len(), 1, "{name}");
+        press_with(&mut window, Modifiers::COMMAND, Key::A);
+        window.event(Event::Text("it bends here".to_owned()));
+        window.run_steps(3);
+        press(&mut window, Key::Enter);
+        let [note] = &notes(&window)[..] else { unreachable!("there is one") };
+        assert_eq!(note.text, "it bends here", "{name}");
+        let vertices = window.state().snapshot().note_vertices.clone();
+        assert!(vertices[0].is_none_or(|vertex| vertex < count), "{name}: {vertices:?}");
+        // The hand is back: a click pins, and places no other note.
+        click_at(&mut window, middle);
+        assert_eq!(notes(&window).len(), 1, "{name}");
+        let pins = window.state().snapshot().pins.len();
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_ne!(window.state().snapshot().pins.len(), pins);
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        assert!(notes(&window).is_empty(), "{name}: the text, then the note are undone");
+        press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+        assert_eq!(notes(&window).len(), 1);
+        click_in_panel(&mut window, "Remove note 1");
+        assert!(notes(&window).is_empty(), "{name}");
+    }
+}
+
+/// A vertex is dragged along a path, which is an effect of the level then: the scene runs, and the vertex goes the same way.
+#[test]
+fn a_vertex_is_told_to_move_along_a_drag() {
+    for name in ["gingerbread", "toronto_cloth"] {
+        let mut window = open(name);
+        let effects = |window: &Window| window.state().snapshot().level.effects.len();
+        let before = effects(&window);
+        click(&mut window, "Tool");
+        click(&mut window, "Move along a path");
+        let middle = stage(&window).center();
+        let way: Vec<_> = (0..20_u8).map(|i| middle + vec2(3.0 * f32::from(i), -2.0 * f32::from(i))).collect();
+        drag(&mut window, &way, Modifiers::NONE);
+        assert_eq!(effects(&window), before + 1, "{name}: {:?}", window.state().notice());
+        let held: Vec<_> = window.state().sandbox().simulation().scene().held().collect();
+        assert!(!held.is_empty(), "{name}");
+        let place = |window: &Window| window.state().snapshot().position(held[0] as usize).unwrap();
+        let start = place(&window);
+        press(&mut window, Key::Space);
+        window.run_steps(40);
+        let moved: f64 = place(&window).iter().zip(start).map(|(now, start)| (now - start).powi(2)).sum();
+        assert!(moved.sqrt() > 0.02, "{name}: moved by {} m", moved.sqrt());
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(effects(&window), before, "{name}");
+    }
+}
+
+/// Notes belong to the document alone: a multistep scheme goes on as if there were none, and a recorded end stays.
+#[test]
+fn notes_change_nothing_else() {
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    press(&mut window, Key::Space);
+    window.run_steps(5);
+    let simulation = |window: &Window| window.state().sandbox().simulation().restart();
+    let before = simulation(&window);
+    click(&mut window, "Tool");
+    click(&mut window, "Note");
+    let middle = stage(&window).center();
+    click_at(&mut window, middle);
+    assert_eq!(window.state().snapshot().level.notes.len(), 1);
+    assert_eq!(simulation(&window), before);
+}

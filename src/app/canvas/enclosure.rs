@@ -1,12 +1,13 @@
 //! A box, or a closed line, that is drawn by one drag around vertices.
 
+use super::drag::{DragState, drag_state};
 use crate::{
     app::draw::{View, shape_buffer::ShapeBuffer},
     command::Command,
     meshes,
     snapshot::Snapshot,
 };
-use eframe::egui::{Event, PointerButton, Pos2, Response, pos2};
+use eframe::egui::{PointerButton, Pos2, Response, pos2};
 
 /// Least distance between two points of a line [points].
 const APART: f32 = 3.0;
@@ -54,15 +55,11 @@ impl Enclosure {
         if let Some(at) = response.interact_pointer_pos().filter(is_apart) {
             self.points.push(at);
         }
-        let ends = response.drag_stopped_by(PointerButton::Primary);
-        let is_lost = response
-            .ctx
-            .input(|input| input.multi_touch().is_some() || input.events.contains(&Event::WindowFocused(false)));
-        // egui ends the drag at Escape.
-        if is_lost || self.generation != snapshot.generation || !ends && !response.dragged_by(PointerButton::Primary) {
+        let state = drag_state(response, self.generation == snapshot.generation);
+        if state == DragState::Cancelled {
             self.around = None;
         }
-        if self.around.is_none() || !ends {
+        if state != DragState::Ends {
             return None;
         }
         let outline: Vec<_> = self.outline().iter().map(|point| [f64::from(point.x), f64::from(point.y)]).collect();

@@ -1,11 +1,16 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
+mod drag;
 mod drawing;
+mod drawn_path;
 mod enclosure;
 mod look;
+mod notes;
 mod pointer_state;
 mod probing;
+mod refining;
 mod ruler;
+mod scenery;
 mod tool;
 pub use look::{Look, Viewpoint};
 pub(super) use pointer_state::nearest as nearest_on_screen;
@@ -33,14 +38,12 @@ use super::{
     theme::Theme,
 };
 use crate::{
-    command::{Command, Mode},
-    effects::Shape,
+    command::{Command, Mode, Spot},
     impulse::Impulse,
-    level::{EffectLevel, Switch, When},
-    obstacles::Triangulation,
     snapshot::{Field, Pull, Snapshot},
 };
 use drawing::Drawing;
+use drawn_path::DrawnPath;
 use eframe::egui::{
     self, Align2, Area, CursorIcon, FocusDirection, Key, Order, Painter, PointerButton, Pos2, Rect, Response, Role,
     Sense, Ui, Vec2, WidgetInfo, vec2,
@@ -49,7 +52,9 @@ use enclosure::{Around, Enclosure};
 use look::{Looking, Seen};
 use pointer_state::{PointerState, Sight};
 use probing::Probing;
-use ruler::Ruler;
+use refining::Refining;
+use ruler::{Mark, Ruler};
+use scenery::{Scenery, WIRE};
 use std::{ops::Range, time::Duration};
 
 /// Maximum frame length for animations \[s\].
@@ -105,6 +110,8 @@ pub struct Canvas {
     probing: Probing,
     drawing: Drawing,
     enclosure: Enclosure,
+    drawn_path: DrawnPath,
+    refining: Refining,
     ruler: Ruler,
     /// Where the drag of a push began.
     push_from: Option<Pos2>,
@@ -169,7 +176,11 @@ impl Canvas {
         self.ruler.follow(&response, sight, (snapshot, points), tool == Tool::Ruler);
         let around = around(ui, snapshot, tool);
         commands.extend(self.enclosure.follow(&response, around, (snapshot, points)));
-        if self.enclosure.is_open() {
+        let under = self.pointed_triangle(&response, &frame).filter(|_| tool == Tool::Refine);
+        commands.extend(self.refining.follow(&response, tool == Tool::Refine, snapshot, under));
+        commands.extend(self.note(&response, &frame).filter(|_| tool == Tool::Note));
+        commands.extend(self.drawn_path.follow(&response, tool == Tool::DrawnPath, snapshot, (sight, points)));
+        if self.enclosure.is_open() || self.refining.is_open() || self.drawn_path.is_open() {
             self.pointer_state.spend();
         }
         if tool == Tool::Hand {
@@ -257,12 +268,31 @@ impl Canvas {
         let clicked = frame.options.tool == Tool::Probe && response.clicked();
         let at = response.hover_pos().filter(|_| self.probing.now || clicked)?;
         let (snapshot, points) = (frame.snapshot, self.bodies.points());
-        let triangle = match frame.space {
-            Some(_) => self.surfaces.triangle_at(points, at),
-            None => self.bodies.triangle_at(snapshot, at),
-        };
         let vertex = sight(frame, &self.surfaces).nearest(points, at);
-        probing::target(snapshot, points, at, (triangle, vertex))
+        probing::target(snapshot, points, at, (self.triangle_at(frame, at), vertex))
+    }
+
+    /// The note that a click places.
+    fn note(&self, response: &Response, frame: &Frame<'_>) -> Option<Command> {
+        let at = response.interact_pointer_pos().filter(|_| response.clicked_by(PointerButton::Primary))?;
+        let spot = match ruler::mark(sight(frame, &self.surfaces), self.bodies.points(), at)? {
+            Mark::Vertex(vertex) => Spot::Vertex(vertex),
+            Mark::Place([x, y]) => Spot::Place([x, y, 0.0]),
+        };
+        Some(Command::AddNote(spot))
+    }
+
+    /// The triangle at a point of the screen.
+    fn triangle_at(&self, frame: &Frame<'_>, at: Pos2) -> Option<usize> {
+        match frame.space {
+            Some(_) => self.surfaces.triangle_at(self.bodies.points(), at),
+            None => self.bodies.triangle_at(frame.snapshot, at),
+        }
+    }
+
+    /// The triangle under the pointer.
+    fn pointed_triangle(&self, response: &Response, frame: &Frame<'_>) -> Option<usize> {
+        response.interact_pointer_pos().and_then(|at| self.triangle_at(frame, at))
     }
 
     /// Vertices of the part whose vertex was nearest to a point of the screen in the last frame.
@@ -440,8 +470,11 @@ impl Canvas {
         self.probing.draw(&mut self.front, view, snapshot, points);
         self.drawing.draw(&mut self.front, view, pointer);
         self.enclosure.draw(&mut self.front, view);
+        self.refining.draw(&mut self.front, view, snapshot, points);
         let sight = sight(frame, &self.surfaces);
         self.ruler.draw(&mut self.front, view, sight, points);
+        self.drawn_path.draw(&mut self.front, view, sight);
+        notes::draw(&mut self.front, view, snapshot, sight, points);
         if let Some(moment) = &self.earlier {
             self.ghost.draw(&mut self.front, view, snapshot, moment, |point| sight.seen(point));
         }
@@ -464,6 +497,7 @@ impl Canvas {
             }
         }
         painter.add(self.front.finish());
+        notes::write(painter, (view, canvas), snapshot, (sight, points));
         if !options.bare {
             legends::scale_bar(painter, view, canvas);
             arrows::legend(painter, view, canvas, &self.arrows);
@@ -524,139 +558,5 @@ impl Canvas {
     /// Scales the colours by the canvas's own values alone.
     pub fn unshare_scale(&mut self) {
         self.scale.heed(None);
-    }
-}
-
-/// Duration of a cross-fade \[s\].
-const FADE: f32 = 0.2;
-
-/// Width of a wire \[points\].
-const WIRE: f32 = 2.0;
-
-/// Presence in edit mode of effects that act only in collide mode.
-const PALE: f32 = 0.72;
-
-/// State of the scenery.
-#[derive(Default)]
-struct Scenery {
-    generation: Option<u64>,
-    /// The shapes of each effect, and their presence from 0 to 1.
-    effects: Vec<(Vec<Shape>, f32)>,
-    moving: bool,
-    buffer: ShapeBuffer,
-    /// Content of the buffer; it is drawn again when this differs.
-    drawn: Option<(View, Rect, u32, Option<[usize; 2]>)>,
-    changed: bool,
-}
-
-impl Scenery {
-    /// Updates the presence of each effect, which fades in and out.
-    pub fn follow(&mut self, snapshot: &Snapshot, dt: f32) {
-        let known = self.generation == Some(snapshot.generation);
-        self.generation = Some(snapshot.generation);
-        self.moving = false;
-        if self.effects.len() != snapshot.level.effects.len() {
-            self.effects.resize_with(snapshot.level.effects.len(), || (Vec::new(), 0.0));
-            self.changed = true;
-        }
-        for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
-            let now = effect.effect.kind().shapes(snapshot.time, &snapshot.elements.surfaces);
-            let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
-            let step = if known { dt / FADE } else { 1.0 };
-            let next = *presence + (wanted - *presence).clamp(-step, step);
-            self.changed |= *shapes != now || *presence != next;
-            self.moving |= next != wanted;
-            (*shapes, *presence) = (now, next);
-        }
-    }
-
-    /// Whether an effect is fading.
-    pub fn is_moving(&self) -> bool {
-        self.moving
-    }
-
-    /// The surfaces of obstacles in space that are there.
-    pub fn surfaces(&self) -> impl Iterator<Item = &Triangulation> + Clone {
-        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.5);
-        there.flat_map(|(shapes, _)| shapes).filter_map(|shape| match shape {
-            Shape::Surface(surface) => Some(surface),
-            _ => None,
-        })
-    }
-
-    /// The wires in space that are there, and whether they are closed.
-    pub fn wires(&self) -> impl Iterator<Item = (&[[f64; 3]], bool)> {
-        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.5);
-        there.flat_map(|(shapes, _)| shapes).filter_map(|shape| match shape {
-            Shape::Wire { points, closed } => Some((points.as_slice(), *closed)),
-            _ => None,
-        })
-    }
-
-    /// Presence of a room, which replaces the plain world square.
-    pub fn room_presence(&self) -> f32 {
-        let rooms =
-            self.effects.iter().filter(|(shapes, _)| shapes.iter().any(|shape| matches!(shape, Shape::Room(_))));
-        rooms.map(|effect| effect.1).fold(0.0, f32::max)
-    }
-
-    /// Returns the drawing, made again only if something has changed. The solid `pointed` is highlighted.
-    pub fn draw(
-        &mut self,
-        pixels_per_point: f32,
-        canvas: Rect,
-        view: View,
-        pointed: Option<[usize; 2]>,
-    ) -> egui::Shape {
-        let wanted = Some((view, canvas, pixels_per_point.to_bits(), pointed));
-        if !self.changed && self.drawn == wanted {
-            return self.buffer.again();
-        }
-        (self.drawn, self.changed) = (wanted, false);
-        self.buffer.clear(pixels_per_point);
-        let there = self.effects.iter().filter(|(_, presence)| *presence > 0.02);
-        let mut shapes: Vec<(&Shape, f32)> =
-            there.flat_map(|(shapes, presence)| shapes.iter().map(move |shape| (shape, *presence))).collect();
-        shapes.sort_by_key(|(shape, _)| match shape {
-            Shape::Edges(..) => 0,
-            Shape::Room(_) => 1,
-            Shape::Solid(_) => 2,
-            Shape::Surface(_) => 3,
-            Shape::Wire { .. } => 4,
-        });
-        for (number, (shape, presence)) in shapes.into_iter().enumerate() {
-            match shape {
-                Shape::Edges(least, greatest) => house::edges(&mut self.buffer, view, [*least, *greatest], presence),
-                Shape::Room(room) => house::house(&mut self.buffer, view, canvas, room, presence),
-                Shape::Solid(outline) => house::gumdrop(&mut self.buffer, view, outline, number, presence),
-                Shape::Wire { points, closed } => {
-                    let points: Vec<_> =
-                        points.iter().map(|[x, y, _]| view.camera.screen_from_world([*x, *y])).collect();
-                    let color = view.theme.annotation.gamma_multiply(0.6 * presence);
-                    self.buffer.line(&points, *closed, WIRE, color);
-                }
-                // Those in space are sorted together with the membranes.
-                Shape::Surface(_) => {}
-            }
-        }
-        let pointed = pointed.and_then(|[effect, solid]| {
-            let (shapes, presence) = self.effects.get(effect)?;
-            let mut solids =
-                shapes.iter().filter_map(|shape| if let Shape::Solid(outline) = shape { Some(outline) } else { None });
-            Some((solids.nth(solid)?, *presence))
-        });
-        if let Some((outline, presence)) = pointed {
-            house::ring(&mut self.buffer, view, outline, presence);
-        }
-        self.buffer.finish()
-    }
-}
-
-/// Target presence of an effect in a mode.
-fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
-    match (effect.switch, effect.when, mode) {
-        (Switch::Off, ..) | (_, When::Collide, Mode::Simulate) => 0.0,
-        (_, When::Collide, Mode::Edit) => PALE,
-        _ => 1.0,
     }
 }

@@ -56,6 +56,14 @@ impl Sight<'_> {
         }
     }
 
+    /// Where a point would be at a point of the screen \[m\]: in space as deep before the eye as it is, so that the depth does not follow a vertex.
+    pub fn as_deep_as(self, at: Pos2, point: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Plane(_) => self.target(at, 0),
+            Self::Space(camera, _) => camera.at_depth(at, camera.seen(point).1),
+        }
+    }
+
     /// A point of the scene on the screen.
     pub fn seen(self, [x, y, z]: [f64; 3]) -> Pos2 {
         match self {
@@ -171,11 +179,7 @@ impl PointerState {
     /// Continues the pull to the present position of the pointer.
     fn pulled(self, pointer: &Pointer, sight: Sight<'_>, commands: &mut Vec<Command>) -> Self {
         let (Self::Pull { vertex, of, target: old, generation }, Some(at)) = (self, pointer.at) else { return self };
-        let target = match sight {
-            Sight::Plane(_) => sight.target(at, vertex),
-            // In the plane through the last target that faces the eye, so that the depth does not follow the vertex.
-            Sight::Space(camera, _) => camera.at_depth(at, camera.seen(old).1),
-        };
+        let target = sight.as_deep_as(at, old);
         if target == old {
             return self;
         }

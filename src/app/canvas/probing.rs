@@ -47,7 +47,7 @@ pub fn target(
 }
 
 /// Corners of a triangle on the screen.
-fn corners(snapshot: &Snapshot, points: &[Pos2], triangle: usize) -> Option<[Pos2; 3]> {
+pub(super) fn corners(snapshot: &Snapshot, points: &[Pos2], triangle: usize) -> Option<[Pos2; 3]> {
     let bodies = snapshot.triangles.len();
     let membranes = || snapshot.membranes.iter().flat_map(|membrane| membrane.elements.corners());
     let corners = match triangle.checked_sub(bodies) {

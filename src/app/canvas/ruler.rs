@@ -21,7 +21,7 @@ const ARC: f32 = 26.0;
 
 /// A point of a ruler.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mark {
+pub(super) enum Mark {
     /// A vertex, by its number in the scene. The ruler moves with it.
     Vertex(usize),
     /// A place in the plane \[m\].
@@ -198,7 +198,7 @@ impl Mark {
 }
 
 /// What is meant at a point of the screen: a vertex near it, or the place in the plane.
-fn mark(sight: Sight<'_>, points: &[Pos2], at: Pos2) -> Option<Mark> {
+pub(super) fn mark(sight: Sight<'_>, points: &[Pos2], at: Pos2) -> Option<Mark> {
     let vertex = sight.nearest(points, at);
     match sight {
         Sight::Space(..) => vertex.map(Mark::Vertex),

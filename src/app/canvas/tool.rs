@@ -20,12 +20,28 @@ pub enum Tool {
     PinLine,
     /// Clicks or a drag place the points of a ruler.
     Ruler,
+    /// A click or a drag divides triangles.
+    Refine,
+    /// A click places a note.
+    Note,
+    /// A drag prescribes the path of a vertex.
+    DrawnPath,
 }
 
 impl Tool {
     /// The tools in the menu on the stage.
-    pub const CHOICES: [Self; 7] =
-        [Self::Hand, Self::Push, Self::Burst, Self::Probe, Self::Ruler, Self::PinBox, Self::PinLine];
+    pub const CHOICES: [Self; 10] = [
+        Self::Hand,
+        Self::Push,
+        Self::Burst,
+        Self::Probe,
+        Self::Ruler,
+        Self::Note,
+        Self::PinBox,
+        Self::PinLine,
+        Self::DrawnPath,
+        Self::Refine,
+    ];
 
     /// Its name in the menu.
     pub const fn name(self) -> &'static str {
@@ -38,6 +54,9 @@ impl Tool {
             Self::PinBox => "Pin in a box",
             Self::PinLine => "Pin inside a line",
             Self::Ruler => "Ruler",
+            Self::Refine => "Refine",
+            Self::Note => "Note",
+            Self::DrawnPath => "Move along a path",
         }
     }
 
@@ -56,6 +75,13 @@ impl Tool {
             }
             Self::PinLine => "Draw a line: pins the vertices inside, or frees them if all are pinned.",
             Self::Ruler => "Measures distances and angles.",
+            Self::Refine => "Divides triangles into smaller ones; the scene goes on as it is.",
+            Self::DrawnPath => {
+                "Drag a vertex: from now on it is held, and follows the path of the drag at the same speed. If it is pinned, all pins of its body move with it."
+            }
+            Self::Note => {
+                "The next click places a note, which is saved with the level. A note on a vertex moves with it."
+            }
         }
     }
 
@@ -76,6 +102,15 @@ impl Tool {
             }
             Self::Ruler => Some(
                 "Drag, or click two points. A third click adds the angle at the second. A point on a vertex moves with it. Esc ends.",
+            ),
+            Self::DrawnPath => Some(
+                "Drag a vertex: from now on it follows that path at the same speed. If it is pinned, all pins of its body move with it. Esc ends.",
+            ),
+            Self::Note => Some(
+                "Click where the note should be. A note on a vertex moves with it. Its text is in the right panel. Esc ends.",
+            ),
+            Self::Refine => Some(
+                "Click a triangle, or drag over some: each is divided into four, and neighbours as needed. Esc ends.",
             ),
         }
     }

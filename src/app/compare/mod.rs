@@ -15,7 +15,7 @@ use super::{
     theme::Theme,
 };
 use crate::{
-    command::{About, Command},
+    command::{About, Command, Spot},
     inversion_recovery::Tangle,
     sandbox::{Refused, Sandbox},
     simulation::Restart,
@@ -343,6 +343,13 @@ fn twins(command: &Command, from: &Sandbox, to: &Sandbox) -> Vec<Command> {
         Command::PinAll(ref vertices, false) => {
             let is_freed = |pin: &usize| counterpart(there, here, *pin).is_some_and(|own| vertices.contains(&own));
             vec![Command::PinAll(there.pins.iter().map(|pin| *pin as usize).filter(is_freed).collect(), false)]
+        }
+        Command::MoveAlong(vertex, ref path) => {
+            let twin = counterpart(here, there, vertex).map(|twin| Command::MoveAlong(twin, path.clone()));
+            twin.into_iter().collect()
+        }
+        Command::AddNote(Spot::Vertex(vertex)) => {
+            counterpart(here, there, vertex).map(|twin| Command::AddNote(Spot::Vertex(twin))).into_iter().collect()
         }
         Command::SetMaterial(body, material) => {
             let model = to.shown.bodies.get(body).map_or(material.model(), |body| body.material.model());

@@ -235,6 +235,27 @@ fn pins_and_pulls_keep_their_places_on_another_mesh() {
     assert!(apart > 0.0 && apart < 0.5, "two meshes move alike, but not equally: {apart}");
 }
 
+/// Paths and notes of vertices go to the same places of another mesh.
+#[test]
+fn paths_and_notes_keep_their_places_on_another_mesh() {
+    let (mut a, mut panes) = pair("gingerbread");
+    let coarse = mesh(&a.document().level, 300.0);
+    panes.apply(&mut a, Pane::B, Command::SetMesh(0, coarse)).unwrap();
+    let path = vec![(0.0, [0.0; 3]), (0.5, [0.1, 0.0, 0.0])];
+    let last = a.simulation().scene().vertices() - 1;
+    panes.apply(&mut a, Pane::A, Command::MoveAlong(last, path)).unwrap();
+    panes.apply(&mut a, Pane::A, Command::AddNote(Spot::Vertex(last))).unwrap();
+    let places = [&a, &panes.b].map(|sandbox| {
+        let scene = sandbox.simulation().scene();
+        let held = scene.held().next().unwrap();
+        let [note] = sandbox.note_vertices()[..] else { unreachable!("there is one note") };
+        assert_eq!(note, Some(held as usize));
+        [0, 1].map(|axis| scene.rest[2 * held as usize + axis])
+    });
+    let gap = (places[0][0] - places[1][0]).hypot(places[0][1] - places[1][1]);
+    assert!(gap < 0.03, "{places:?}");
+}
+
 #[test]
 fn undo_of_a_model_puts_both_panes_back_to_where_they_were() {
     let (mut a, mut panes) = pair("gingerbread");

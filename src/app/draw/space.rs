@@ -180,12 +180,12 @@ struct Facet {
     corners: [u32; 3],
     /// Number of its net or membrane, nets first; or [`OBSTACLE`].
     part: u32,
-    /// Place of its value among those of the snapshot; `u32::MAX` if it has none.
-    value: u32,
+    /// Its number among the triangles of all membranes; [`NONE`] if it is none of them.
+    triangle: u32,
 }
 
-/// No value.
-const PLAIN: u32 = u32::MAX;
+/// No triangle of a membrane.
+const NONE: u32 = u32::MAX;
 
 /// Direction to the sun, whose shadows fall on floors.
 const SUN: [f64; 3] = [0.25, 1.0, 0.3];
@@ -239,7 +239,7 @@ impl Surfaces {
         (options, scale, obstacles): (&Options, &Scale, impl Iterator<Item = &'a Triangulation> + Clone),
         (points, camera): (&[Pos2], &SpaceCamera),
     ) {
-        self.add_cloth(snapshot, options, (points, camera));
+        self.add_cloth(snapshot, (points, camera));
         let factor = (0.3 * diagonal(&snapshot.start)).max(1.0);
         self.add_obstacles(view, obstacles.clone(), camera, factor);
         self.order.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth));
@@ -248,7 +248,8 @@ impl Surfaces {
         for floor in floors {
             self.add_shadows(view, snapshot, (floor, &others), camera);
         }
-        let is_coloured = self.order.iter().any(|facet| facet.value != PLAIN);
+        let has_values = options.field != Field::None && options.field == snapshot.field;
+        let is_coloured = has_values && self.order.iter().any(|facet| facet.triangle != NONE);
         if options.normals {
             self.shadows.clear();
             self.draw_facets(buffer, false, |_, side, normal| {
@@ -261,7 +262,7 @@ impl Surfaces {
             });
         } else if is_coloured || self.looks.has_patterns() {
             self.draw_facets(buffer, !is_coloured, |facet, side, normal| {
-                match snapshot.values.get(facet.value as usize) {
+                match snapshot.values.get(facet.triangle as usize).filter(|_| is_coloured) {
                     Some(value) => shaded(scale.at(scale.share(*value)), Sheen::Matte, normal),
                     None => self.look(facet.part, view).lit(side, normal),
                 }
@@ -278,7 +279,7 @@ impl Surfaces {
     }
 
     /// Begins with the faces of nets and membranes.
-    fn add_cloth(&mut self, snapshot: &Snapshot, options: &Options, (points, camera): (&[Pos2], &SpaceCamera)) {
+    fn add_cloth(&mut self, snapshot: &Snapshot, (points, camera): (&[Pos2], &SpaceCamera)) {
         self.order.clear();
         self.normals.clear();
         self.normals.resize(points.len(), [0.0; 3]);
@@ -287,11 +288,11 @@ impl Surfaces {
         self.alike.clear();
         self.bend = 0.0;
         let at = |vertex: u32| snapshot.position(vertex as usize);
-        let (is_coloured, mut value) = (options.field != Field::None && options.field == snapshot.field, 0);
+        let mut triangle = 0;
         let nets = snapshot.nets.iter().map(|net| (net.faces.as_slice(), net.vertices.len(), false));
         let membranes = snapshot.membranes.iter();
-        let membranes = membranes.map(|one| (one.elements.corners(), one.vertices.len(), is_coloured));
-        for (part, (faces, vertices, has_values)) in nets.chain(membranes).enumerate() {
+        let membranes = membranes.map(|one| (one.elements.corners(), one.vertices.len(), true));
+        for (part, (faces, vertices, is_membrane)) in nets.chain(membranes).enumerate() {
             if let Some([a, b, c]) = faces.first().map(|corners| corners.map(at)) {
                 let length = |a: Option<[f64; 3]>, b: Option<[f64; 3]>| {
                     a.zip(b).map_or(0.0, |(a, b)| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt())
@@ -299,8 +300,8 @@ impl Surfaces {
                 self.bend = self.bend.max(BEND * (length(a, b) + length(b, c) + length(c, a)));
             }
             for corners in faces {
-                self.add(&at, camera, *corners, (part as u32, if has_values { value } else { PLAIN }));
-                value += u32::from(has_values);
+                self.add(&at, camera, *corners, (part as u32, if is_membrane { triangle } else { NONE }));
+                triangle += u32::from(is_membrane);
             }
             if let Some(look) = self.looks.get(part) {
                 self.alike.push((vertices, *look));
@@ -329,7 +330,7 @@ impl Surfaces {
             let at = |corner: u32| obstacle.drawn((corner - first) as usize, factor);
             let from = self.order.len();
             for corners in &obstacle.triangles {
-                self.add(&at, camera, corners.map(|corner| first + corner), (OBSTACLE, PLAIN));
+                self.add(&at, camera, corners.map(|corner| first + corner), (OBSTACLE, NONE));
             }
             if obstacle.endless_about.is_some() {
                 self.ground += self.order.len() - from;
@@ -470,9 +471,9 @@ impl Surfaces {
             .iter()
             .rev()
             .find(is_inside)
-            .map(|facet| facet.value)
-            .filter(|value| *value != PLAIN)
-            .map(|value| value as usize)
+            .map(|facet| facet.triangle)
+            .filter(|triangle| *triangle != NONE)
+            .map(|triangle| triangle as usize)
     }
 
     /// Adds a triangle to the normals and to the order.
@@ -481,7 +482,7 @@ impl Surfaces {
         at: &dyn Fn(u32) -> Option<[f64; 3]>,
         camera: &SpaceCamera,
         corners: [u32; 3],
-        (part, value): (u32, u32),
+        (part, triangle): (u32, u32),
     ) {
         let [Some(a), Some(b), Some(c)] = corners.map(at) else { return };
         let (one, two) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
@@ -498,7 +499,7 @@ impl Surfaces {
         // What lies on an obstacle is drawn after it, even where a triangle bends around it.
         let depth =
             if part == OBSTACLE { 3.0 * (depths.copied().fold(0.0, f64::max) + self.bend) } else { depths.sum() };
-        self.order.push(Facet { depth: depth as f32, corners, part, value });
+        self.order.push(Facet { depth: depth as f32, corners, part, triangle });
     }
 
     /// Draws the springs of nets without faces, and all edges if they are wanted.

@@ -49,8 +49,8 @@ pub enum Topic {
 pub enum JobRequest {
     /// Measure the work-precision diagram from the present state.
     Accuracy,
-    /// Compare meshes by this measure.
-    Meshes(Measure),
+    /// Compare meshes by this measure, and perhaps also such as are refined by error.
+    Meshes(Measure, bool),
     /// Find the cheapest scheme and step for this error, from the present state.
     Dial(f64),
     /// Follow energy and momentum from the present state for this simulated time \[s\].
@@ -198,9 +198,9 @@ impl Jobs {
                 let level = level();
                 self.dial.start(move || studies::dial(&level, wanted));
             }
-            JobRequest::Meshes(measure) => {
+            JobRequest::Meshes(measure, adaptive) => {
                 let level = level();
-                self.meshes.start(move || studies::meshes(&level, measure));
+                self.meshes.start(move || studies::meshes(&level, measure, adaptive));
             }
             JobRequest::Drift(seconds) => {
                 let level = level();

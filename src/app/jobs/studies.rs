@@ -10,9 +10,9 @@ use crate::{
     materials::Model,
     study::{
         Curve, Dial, DialPlan, Drift, ErrorBudget, ErrorSource, Invariant, Limits, Locking, LockingNumber, Measure,
-        MeasuredOrder, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshStudy, NoErrors, NoMeshReference, Plan,
-        Price, Progress, Reached, Reference, Saving, Savings, Setting, Status, StudyError, Suggestion, Trial,
-        USUAL_ERRORS, WorkPrecision,
+        MeasuredOrder, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshSeries, MeshStudy, NoErrors,
+        NoMeshReference, Plan, Price, Progress, Reached, Reference, Saving, Savings, Setting, Status, StudyError,
+        Suggestion, Trial, USUAL_ERRORS, WorkPrecision,
     },
 };
 use std::{path::Path, sync::Arc, time::Duration};
@@ -152,12 +152,12 @@ pub struct MeshFindings {
     pub measure: Measure,
     /// Time at which the measure is taken.
     pub moment: MeshMoment,
-    /// Meshes, one kind of elements after the other, each from coarse to fine.
+    /// Meshes, one series after the other, each from coarse to fine.
     pub meshes: Vec<Mesh>,
     /// Reference of the values, or the reason why there is none.
     pub reference: Option<Result<MeshReference, NoMeshReference>>,
-    /// Order of the error in the size of the triangles for each kind of elements, or the reason why it cannot be measured.
-    pub orders: Vec<(ElementKind, MeasuredOrder)>,
+    /// Order of the error in the size of the triangles for each series, or the reason why it cannot be measured.
+    pub orders: Vec<(MeshSeries, MeasuredOrder)>,
     /// Which meshes are as exact as the finest of linear triangles, and what they cost; and which kinds the level cannot have. A sentence for each
     /// kind.
     pub remarks: Vec<String>,
@@ -168,11 +168,11 @@ pub struct MeshFindings {
 }
 
 /// Prepares a mesh study of a level: at rest if pins hold it, else after [`SECONDS`].
-pub fn meshes(level: &Level, measure: Measure) -> Result<Meshes, StudyError> {
+pub fn meshes(level: &Level, measure: Measure, adaptive: bool) -> Result<Meshes, StudyError> {
     let elements = ElementKind::ALL.to_vec();
-    let plan = |moment| MeshPlan { measure, moment, elements, threads: threads(), ..MeshPlan::default() };
+    let plan = |moment| MeshPlan { measure, moment, elements, adaptive, threads: threads(), ..MeshPlan::default() };
     let trial = Trial::new(level, &Disk, SECONDS)?;
-    let moment = if trial.scene.pins.len() < 2 { MeshMoment::AtTheEnd } else { MeshMoment::AtRest };
+    let moment = if trial.scene.is_held() { MeshMoment::AtRest } else { MeshMoment::AtTheEnd };
     let study = MeshStudy::new(level, &Disk, SECONDS, plan(moment))?;
     Ok(Meshes { level: level.clone(), study, locking: None })
 }
@@ -211,8 +211,7 @@ impl Task for Meshes {
             meshes: study.points().map(mesh).collect(),
             reference: study.reference(),
             orders: study.reference().map_or_else(Vec::new, |_| {
-                let kinds = study.elements().into_iter().flatten();
-                kinds.map(|kind| (kind, study.order(Some(kind)))).collect()
+                study.series().into_iter().map(|series| (series, study.order(series))).collect()
             }),
             remarks: study.as_exact_in_words().into_iter().chain(study.left_out().iter().map(left_out)).collect(),
             csv: study.csv(&locking),

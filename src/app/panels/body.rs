@@ -1,11 +1,13 @@
 //! Panels of the parts of a level: a body with material, mass and mesh; a net; a toy; and the controls of test levels.
 
 use super::{
-    Export, FileRequest, Notice, View, apply_response, finish, fixed, heading, row, sliders, typed_energy,
+    Export, FileRequest, Notice, View, apply_response, count, finish, fixed, heading, row,
+    scheme::percent,
+    sliders, typed_energy,
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    app::{canvas::Tool, files::stem},
+    app::{canvas::Tool, files::stem, numbers},
     command::{Command, Pose},
     elements::ElementKind,
     level::{MassLevel, MembraneLevel, NetLevel, Pin},
@@ -49,6 +51,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
             element(ui, number, body.element, commands);
             pins(ui, view.body, &body.pins, view, commands);
+            refinement(ui, now, &body.mesh, Some(number), commands);
             if others && level.test.is_none() && ui.button("Remove this body").clicked() {
                 commands.push(Command::RemoveBody(number));
             }
@@ -63,6 +66,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, (number, view.body), listed, area, view, commands);
             pins(ui, view.body, &listed.pins, view, commands);
+            refinement(ui, now, &listed.mesh, None, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
         }
     });
@@ -88,8 +92,9 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
             view.file = Some(FileRequest::OpenMesh);
         }
         for mesh in MeshKind::all() {
-            let needs_file = matches!(mesh, MeshKind::Obj(_));
-            if !needs_file && ui.button(mesh.name()).clicked() {
+            // A file has its own button, and a refined mesh begins with another.
+            let is_whole = !matches!(mesh, MeshKind::Obj(_) | MeshKind::Refined(_));
+            if is_whole && ui.button(mesh.name()).clicked() {
                 view.new_body = Some(mesh);
             }
         }
@@ -263,6 +268,43 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
         sum.refused = outcome.refused.or(sum.refused.take());
     }
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
+}
+
+/// Draws the button that refines meshes where the stress has its error, and what the last refinement changed. A body (by number) can take the mesh
+/// from before again.
+fn refinement(ui: &mut Ui, now: &Snapshot, mesh: &MeshKind, body: Option<usize>, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let help = "Divides the fewest triangles that have together half of the sum of the squared errors of the stress, over all bodies and membranes. The scene goes on from its present state. Colour by *Stress error* to see the estimate. The tool *Refine* on the stage divides the triangles under the pointer.";
+        if ui.button("Refine by error").on_hover_text(help).clicked() {
+            commands.push(Command::RefineWorst);
+        }
+        let MeshKind::Refined(refined) = mesh else { return };
+        if let Some(body) = body {
+            let help = format!("Takes the original mesh, without its {} rounds of refinement. The scene starts over.", refined.rounds.len());
+            if ui.button("Remove refinement").on_hover_text(help).clicked() {
+                commands.extend([Command::SetMesh(body, (*refined.mesh).clone()), Command::EndGesture]);
+            }
+        }
+    });
+    if let Some(error) = now.stress_error {
+        row(
+            ui,
+            "Stress error, estimated",
+            &percent(error),
+            "Estimated relative error of the stress: sqrt(e/(s + e)) with e = Σ ∫ |P* − P|² dV and s = Σ ∫ |P|² dV over all triangles. P: first Piola-Kirchhoff stress. P*: its mean at the vertices, linear in between.",
+        );
+    }
+    if let Some(change) = now.mesh_change {
+        let [before, after] = change.triangles.map(count);
+        let [energy_before, energy] = change.energies.map(|energies| numbers::si(energies.total(), "J"));
+        let [old, new] = change.momentum;
+        let moved = (0..3).map(|axis| (new[axis] - old[axis]).powi(2)).sum::<f64>().sqrt();
+        let words = format!(
+            "{before} triangles became {after}. Energy: {energy_before} before, {energy} after. Momentum changed by {}.",
+            numbers::si(moved, "kg m/s")
+        );
+        ui.label(RichText::new(words).small().weak());
+    }
 }
 
 /// Draws a menu of the kinds of elements of a body (by number).

@@ -196,6 +196,9 @@ const fn about(field: Field) -> &'static str {
         Field::Pressure => "Minus the mean of the three principal Cauchy stresses [Pa].",
         Field::Speed => "Mean speed of the corners [m/s].",
         Field::Displacement => "Mean distance of the corners from where they started [m].",
+        Field::StressError => {
+            "Each triangle's share of the squared error of the stress, estimated [%]: of the sum of ∫ |P* − P|² dV over all, with the first Piola-Kirchhoff stress P and its mean P* at the vertices (Zienkiewicz and Zhu)."
+        }
     }
 }
 

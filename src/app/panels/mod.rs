@@ -13,6 +13,7 @@ mod finish;
 mod hard;
 mod ledger;
 mod measure;
+mod notes;
 mod overlays;
 mod plotting;
 mod scheme;
@@ -111,6 +112,8 @@ pub struct View {
     pub shows_probes: bool,
     /// Whether the ruler is removed.
     pub removes_ruler: bool,
+    /// Whether a note was placed, whose text takes the keyboard.
+    pub has_new_note: bool,
     /// Changes of the probes.
     pub probe_requests: Vec<ProbeRequest>,
     /// A body that is added.
@@ -385,6 +388,7 @@ fn side(ui: &mut Ui, side: Side, context: &PanelContext<'_>, view: &mut View, co
             studies::buttons(ui, view);
             checks::show(ui, context);
             measure::show(ui, context, view);
+            notes::show(ui, context, view, commands);
             energy::show(ui, context, view);
         }
         ui.add_space(8.0);

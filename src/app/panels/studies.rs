@@ -123,7 +123,10 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         }
         let (request, help) = match topic {
             Topic::Accuracy => (JobRequest::Accuracy, study_plots::ACCURACY_HELP),
-            Topic::Meshes => (JobRequest::Meshes(view.studies.meshes.measure), study_plots::MESHES_HELP),
+            Topic::Meshes => (
+                JobRequest::Meshes(view.studies.meshes.measure, view.studies.meshes.adaptive),
+                study_plots::MESHES_HELP,
+            ),
             Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), study_plots::DRIFT_HELP),
             Topic::Budget => (JobRequest::Budget, budget::HELP),
         };

@@ -14,10 +14,9 @@ use crate::{
         theme::Theme,
     },
     command::Command,
-    elements::ElementKind,
     study::{
-        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeasuredOrder, MeshMoment, MeshReference, Outcome,
-        Point, Price, Status, price_in_words,
+        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeasuredOrder, MeshMoment, MeshReference, MeshSeries,
+        Outcome, Point, Price, Status, price_in_words,
     },
 };
 use eframe::egui::{Align2, Color32, ComboBox, Grid, RichText, TextStyle, Ui, pos2};
@@ -229,6 +228,8 @@ fn curve_label(curve: &Curve) -> String {
 pub struct MeshPlotSettings {
     /// Quantity that is compared between meshes.
     pub measure: Measure,
+    /// Whether meshes are also refined only where the stress has its error.
+    pub adaptive: bool,
 }
 
 /// Tooltip of the measurement.
@@ -239,14 +240,17 @@ pub fn show_meshes(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let parts = [
         (Measure::TipDeflection, "Tip deflection", "The greatest displacement of any vertex along x or y [m]"),
         (Measure::ElasticEnergy, "Elastic energy", "The sum over all triangles [J]"),
+        (Measure::GreatestStress, "Greatest stress", "The greatest von Mises stress of all triangles [Pa]"),
     ];
     let segments =
         parts.map(|(measure, text, about)| Segment { text, name: text, about, on: settings.measure == measure });
     if let Some((measure, ..)) = segmented(ui, "measure", &segments, false).and_then(|clicked| parts.get(clicked)) {
         settings.measure = *measure;
     }
+    let help = "Also compares adaptive meshes of each kind of elements. They begin with the coarsest mesh, and the triangles with the greatest estimated error of the stress are divided. Only for levels whose pins or rollers hold the bodies.";
+    ui.checkbox(&mut settings.adaptive, "Adaptive meshes too").on_hover_text(help);
     let invitation = format!(
-        "The level from its start, on meshes of 1/64 to 4 times as many triangles: at rest if pins hold it, else after \
+        "The level from its start, on meshes of 1/64 to 4 times as many triangles: at rest if pins or rollers hold it, else after \
          {SECONDS} s. Each mesh is a point."
     );
     let Some(study) = results(ui, context.jobs.meshes.findings(), &invitation) else { return };
@@ -267,7 +271,7 @@ pub fn show_meshes(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
 fn about_meshes(study: &MeshFindings) -> String {
     let when = match study.moment {
         MeshMoment::AtRest => "at rest".to_owned(),
-        MeshMoment::AtTheEnd => format!("after {SECONDS} s, as pins do not hold the level"),
+        MeshMoment::AtTheEnd => format!("after {SECONDS} s, as neither pins nor rollers hold the level"),
     };
     let what = study.measure.title();
     match study.reference {
@@ -285,10 +289,10 @@ fn about_meshes(study: &MeshFindings) -> String {
 
 /// Draws the order of the error, and the locking of the triangles.
 fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
-    let known = |(kind, order): &(ElementKind, MeasuredOrder)| Some((*kind, order.as_ref().ok().copied()?));
+    let known = |(series, order): &(MeshSeries, MeasuredOrder)| Some((*series, order.as_ref().ok().copied()?));
     let orders: Vec<_> = study.orders.iter().filter_map(known).collect();
     if !orders.is_empty() {
-        let each = orders.iter().map(|(kind, order)| format!("{} h^{order:.2}", kind.title().to_lowercase()));
+        let each = orders.iter().map(|(series, order)| format!("{} h^{order:.2}", series.title().to_lowercase()));
         ui.label(format!("The error falls like: {}.", each.collect::<Vec<_>>().join(", ")))
             .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
     } else if let Some((_, Err(reason))) = study.orders.first() {
@@ -330,7 +334,7 @@ fn mesh_table(ui: &mut Ui, study: &MeshFindings) {
         ui.end_row();
         for mesh in &study.meshes {
             let point = &mesh.point;
-            ui.label(point.element.map_or("", ElementKind::title));
+            ui.label(point.series.title());
             ui.monospace(count(point.triangles));
             match (point.value, point.status) {
                 (Some(value), _) => ui.monospace(numbers::si_fixed(value, study.measure.unit())),
@@ -351,12 +355,12 @@ fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
     let unit = format!("{MILLISECONDS} {what}");
     let (left, right) =
         known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), (_, [x, _])| (l.min(*x), r.max(*x)));
-    let color = |kind: Option<ElementKind>| {
-        let place = ElementKind::ALL.iter().position(|other| Some(*other) == kind).unwrap_or(0);
+    let mut all: Vec<_> = study.meshes.iter().map(|mesh| mesh.point.series).collect();
+    all.dedup();
+    let color = |series: MeshSeries| {
+        let place = all.iter().position(|other| *other == series).unwrap_or(0);
         theme.series[place % theme.series.len()]
     };
-    let mut kinds: Vec<_> = known.iter().map(|(mesh, _)| mesh.point.element).collect();
-    kinds.dedup();
     let shown = plotting::log_log("meshes", theme)
         .x_axis_label(unit)
         .y_axis_label(format!("relative error of the {}", study.measure.title()))
@@ -366,11 +370,10 @@ fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
             HoverPosition::Elsewhere { .. } => None,
         })
         .show(ui, |plot| {
-            for kind in kinds {
-                let own = known.iter().filter(|(mesh, _)| mesh.point.element == kind);
+            for series in &all {
+                let own = known.iter().filter(|(mesh, _)| mesh.point.series == *series);
                 let line: Vec<_> = own.map(|(_, at)| *at).collect();
-                let name = kind.map_or("error", ElementKind::title);
-                plot.line(Line::new(name, line).color(color(kind)).width(1.6).allow_hover(false));
+                plot.line(Line::new(series.title(), line).color(color(*series)).width(1.6).allow_hover(false));
             }
             for (mesh, at) in &known {
                 let radius = if mesh.current { 7.0 } else { 3.5 };
@@ -378,18 +381,18 @@ fn plot_meshes(ui: &mut Ui, study: &MeshFindings) {
                 // The reference is extrapolated beyond the finest mesh. An error not above that of the reference is only an estimate.
                 let own = study.reference.and_then(Result::ok).map(|reference| reference.own_error);
                 let estimate = mesh.error.zip(own).is_some_and(|(error, own)| error <= own);
-                plot.points(points.color(color(mesh.point.element)).filled(!estimate));
+                plot.points(points.color(color(mesh.point.series)).filled(!estimate));
             }
         });
     let screen = |[x, y]: [f64; 2]| shown.transform.position_from_point(&PlotPoint::new(x, y));
     let label = |(mesh, at): &(&Mesh, [f64; 2])| {
         let now = if mesh.current { " triangles, now" } else { "" };
         // The last point of a line names it.
-        let element = mesh.point.element;
-        let last = known.iter().rfind(|(other, _)| other.point.element == element);
+        let series = mesh.point.series;
+        let last = known.iter().rfind(|(other, _)| other.point.series == series);
         let is_last = last.is_some_and(|(other, _)| std::ptr::eq(*other, *mesh));
-        let name = element.filter(|_| is_last).map_or_else(String::new, |kind| format!("{}, ", kind.title()));
-        let color = if is_last { color(element) } else { theme.text };
+        let name = if is_last { series.title() + ", " } else { String::new() };
+        let color = if is_last { color(series) } else { theme.text };
         Label { at: screen(*at), text: name + &count(mesh.point.triangles) + now, color }
     };
     let labels: Vec<_> = known.iter().map(label).collect();
@@ -410,7 +413,7 @@ fn mesh_story(study: &MeshFindings, mesh: &Mesh) -> String {
     let size = numbers::si(point.size, "m");
     let (title, time) = (study.measure.title(), numbers::si(1e-3 * point.ms, "s"));
     let runs = point.runs;
-    let kind = point.element.map_or("", ElementKind::title);
+    let kind = point.series.title();
     format!(
         "{kind}: {triangles} triangles of {size}, {vertices} vertices\n{title} {value}, error {error}\n{time}, least of {runs}"
     )

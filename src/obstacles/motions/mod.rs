@@ -2,10 +2,12 @@
 //! shorter steps reproduce them bit for bit. Each motion is one file; [`MotionKind`] lists them all.
 
 mod slide;
+mod spline;
 mod swing;
 mod turn;
 
 pub use slide::Slide;
+pub use spline::Spline;
 pub use swing::Swing;
 pub use turn::Turn;
 
@@ -18,6 +20,7 @@ registry! {
         Swing(Swing),
         Slide(Slide),
         Turn(Turn),
+        Spline(Spline),
     }
 }
 
@@ -43,6 +46,10 @@ pub fn placed<const D: usize>(motions: &[MotionKind], time: f64) -> Rigid<D> {
 /// # Errors
 /// A sentence that names the motion.
 pub fn check(motions: &[MotionKind], dimension: usize) -> Result<(), String> {
+    let fault = |motion: &MotionKind| if let MotionKind::Spline(spline) = motion { spline.fault() } else { None };
+    if let Some(fault) = motions.iter().find_map(fault) {
+        return Err(fault);
+    }
     if dimension == 2
         && let Some(motion) = motions.iter().find(|motion| motion.kind().is_in_space())
     {

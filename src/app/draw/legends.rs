@@ -78,7 +78,7 @@ const fn short_title(field: Field) -> &'static str {
         Field::Pressure => "Pressure",
         Field::Speed => "Speed",
         Field::Displacement => "Displaced",
-        Field::StressError => "Share of error",
+        Field::StressError => "Error η²",
     }
 }
 

@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             mass(ui, body.mass, area, &|mass| Command::SetMass(number, mass), view, commands);
             let coming =
                 view.meshing.as_ref().filter(|coming| coming.body == view.body).map(|coming| coming.mesh.clone());
-            mesh(ui, &coming.unwrap_or_else(|| body.mesh.clone()), view, commands);
+            mesh(ui, &original(coming.unwrap_or_else(|| body.mesh.clone())), view, commands);
             element(ui, number, body.element, commands);
             pins(ui, view.body, &body.pins, view, commands);
             refinement(ui, now, &body.mesh, Some(number), commands);
@@ -270,10 +270,18 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
 }
 
+/// The mesh before all refinements, whose numbers can be changed.
+fn original(mesh: MeshKind) -> MeshKind {
+    match mesh {
+        MeshKind::Refined(refined) => *refined.mesh,
+        other => other,
+    }
+}
+
 /// Draws the button that refines meshes where the stress has its error, and what the last refinement changed. A body (by number) can take the mesh
 /// from before again.
 fn refinement(ui: &mut Ui, now: &Snapshot, mesh: &MeshKind, body: Option<usize>, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let help = "Divides the fewest triangles that have together half of the sum of the squared errors of the stress, over all bodies and membranes. The scene goes on from its present state. Colour by *Stress error* to see the estimate. The tool *Refine* on the stage divides the triangles under the pointer.";
         if ui.button("Refine by error").on_hover_text(help).clicked() {
             commands.push(Command::RefineWorst);

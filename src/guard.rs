@@ -250,9 +250,10 @@ impl Guard {
         self.level = (self.level + 1).min(most.max(self.level));
     }
 
-    /// Accepts the energies as supplied by the scene.
-    pub fn accept(&mut self, level: u32, energies: Energies) {
-        self.restore_level(level);
+    /// Accepts the energies as supplied by the scene, and goes back to the steps of an earlier moment.
+    pub fn accept(&mut self, earlier: &Self, energies: Energies) {
+        self.restore_level(earlier.level);
+        self.retry_after = earlier.retry_after;
         (self.put_in, self.least) = (Some(energies.total()), energies.total());
     }
 

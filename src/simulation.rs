@@ -536,10 +536,10 @@ impl Simulation {
     /// Replays from the checkpoint to a failed step in shorter steps, as far as the guard allows; sets a fault just
     /// before the step if that fails. Returns whether the step was taken.
     ///
-    /// Where three step lengths agree on the energy gain, the scene supplied it, such as a wall that begins inside a
-    /// body. Steps that an error-controlled scheme gave up are not divided: it has tried shorter ones itself.
+    /// Where the three shortest step lengths agree on the energy gain, the scene supplied it, such as a wall that begins inside a
+    /// body. Longer ones may agree by chance. Steps that an error-controlled scheme gave up are not divided: it has tried shorter ones itself.
     fn retake(&mut self) -> bool {
-        let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
+        let (failed, finite, earlier_guard) = (self.state.steps, self.state.is_finite(), self.guard.clone());
         self.scratch.clear_box = None;
         // Unexplained energy arose before it was detected.
         if finite && self.joined {
@@ -567,18 +567,19 @@ impl Simulation {
                 return true;
             }
             gains.push((self.state.steps, self.energies().total()));
-            if let [.., (a, x), (b, y), (c, z)] = gains[..]
+            if self.guard.level() == most
+                && let [.., (a, x), (b, y), (c, z)] = gains[..]
                 && (a, b) == (b, c)
                 && (x - z).abs().max((y - z).abs()) < 0.2 * (z - start)
                 && self.guard.is_possible(&self.scene, z)
             {
-                self.guard.accept(level, self.energies());
+                self.guard.accept(&earlier_guard, self.energies());
                 self.stale = true;
                 return true;
             }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.restore_level(level);
+        self.guard.restore_level(earlier_guard.level());
         let (mut last, first) = (failed - 1, began.max(self.asked_at));
         self.go_back_to(last);
         // The cause shows just before the failed step.

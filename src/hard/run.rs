@@ -174,7 +174,7 @@ impl Run {
         self.simulation.advance(steps, &mut || true);
         self.frame += 1;
         self.account.supply(self.simulation.work_of_obstacles() - work);
-        self.account.record(self.simulation.energies());
+        self.account.record_steps(&mut self.simulation);
         self.outside = self.outside.max(self.fence.beyond(self.simulation.state().time, &self.simulation.state().x));
         self.crossings.record(self.simulation.count_crossings());
         if let Some((reference, comparison)) = &mut self.comparison {

@@ -141,6 +141,20 @@ fn an_account_forgets_steps_that_were_taken_back() {
     assert!(account.gain() > 0.0 && account.gain() < 0.8 * of_all.gain(), "{} {}", account.gain(), of_all.gain());
 }
 
+/// What several lengths of steps agree on is no energy of the scene if the shortest ones do not have it.
+#[test]
+fn energy_is_not_accepted_before_the_shortest_steps() {
+    let mut run = simulation(&level(MEETING));
+    let mut account = Account::new(run.scene(), run.energies());
+    for _ in 0..20 {
+        run.advance(1, &mut || true);
+        run.check_energy();
+        account.record_steps(&mut run);
+        assert!(run.fault().is_none() && account.gain() < Guard::EXCESS, "{} {:?}", account.gain(), run.energies());
+    }
+    assert!(run.counts().guarded > 0);
+}
+
 /// The bound is above the least energy, not above that at the start. What is saved holds it.
 #[test]
 fn dissipated_energy_does_not_hide_energy_from_nowhere() {

@@ -337,7 +337,7 @@ fn the_study_command_prints_a_table_and_writes_csv() {
         (vec!["study", "no_such_level"], "no_such_level"),
         (vec!["study", "gingerbread", "--integrators", "Magic"], "SymplecticEuler"),
         (vec!["study", "gingerbread", "--steps", "0"], "substeps must be at least 1 and at most 100000, got 0"),
-        (vec!["study", "gingerbread", "--measure", "mood"], "deflection or energy"),
+        (vec!["study", "gingerbread", "--measure", "mood"], "deflection, energy or stress"),
     ] {
         let output = gingerbread(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -11,7 +11,7 @@ const MOST_WORK: usize = 10_000_000;
 
 /// Another mesh with some of its triangles divided. Each round lists triangles of the mesh after the round before, counted from 0. Each of them is
 /// divided into four by the bisection of its edges, and neighbours as far as needed, so that the mesh stays conforming. The smallest angle stays at least about half of
-/// that of the original mesh. New vertices on the boundary lie on its exact outline: on the circle of a disk, for example.
+/// that of the original mesh, and new vertices on the boundary lie on its exact outline, such as the circle of a disk, if its triangles are smaller than the curves of the outline.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refined {

@@ -6,7 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    level::{Level, SubstepMode, Substeps, Toggle},
+    level::{Level, Sleep, SubstepMode, Substeps},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -106,7 +106,7 @@ fn effects(criterion: &mut Criterion) {
 /// A frame of the pea and the cake, each at its own pace and both at the pea's.
 fn paces(criterion: &mut Criterion) {
     let text = gingerbread::levels::built_in("pea_and_cake").unwrap();
-    let own = Level { sleep: Toggle::Off, ..files::parse(text, "pea_and_cake").unwrap() };
+    let own = Level { sleep: Sleep::Off, ..files::parse(text, "pea_and_cake").unwrap() };
     let build = |level: &Level| {
         let scene = Scene::build(level, level.mode, &NoFiles, None).unwrap();
         let state = scene.start.clone();

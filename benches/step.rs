@@ -9,7 +9,7 @@ mod sheet;
 use criterion::{Criterion, criterion_group, criterion_main};
 use gingerbread::{
     files,
-    level::{Level, Toggle},
+    level::{Level, Sleep},
     levels,
     materials::Model,
     meshes::NoFiles,
@@ -196,7 +196,7 @@ fn frame(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("frame of the gingerbread man");
     for &model in Model::ALL {
         // Asleep he would cost nothing.
-        let mut level = Level { sleep: Toggle::Off, ..level.clone() };
+        let mut level = Level { sleep: Sleep::Off, ..level.clone() };
         level.bodies[0].material = level.bodies[0].material.with_model(model);
         let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
         sandbox.apply(gingerbread::command::Command::SetRunning(true)).unwrap();

@@ -19,7 +19,9 @@ use crate::{
     finish::Finish,
     impulse::Impulse,
     integrators::IntegratorKind,
-    level::{BodyLevel, EffectLevel, Level, MassLevel, Note, Pin, RunMode, SubstepMode, Substeps, Toggle},
+    level::{
+        BodyLevel, EffectLevel, Level, MassLevel, Note, Pin, Place, RunMode, Sleep, SubstepMode, Substeps, Toggle,
+    },
     materials::{MaterialParameters, Model, TypedEnergy},
     meshes::MeshKind,
     nets::NetKind,
@@ -105,10 +107,14 @@ pub enum Command {
     SetEnergy(usize, Option<TypedEnergy>),
     /// Adds a body, and starts over. It gets another name where its own is taken.
     AddBody(Box<BodyLevel>),
+    /// Adds a copy of a body (by number) to the right of all others, with its pins, and starts over.
+    CopyBody(usize),
     /// Removes a body, and starts over.
     RemoveBody(usize),
     /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
+    /// Sets where a body (by number) is, how far it is turned and how large it is. Everything is reset; pinned vertices stay pinned.
+    SetPlace(usize, Place),
     /// Divides triangles (by their numbers in the scene: of the bodies, then of the membranes), and goes on from the present state.
     Refine(Vec<usize>),
     /// Divides the fewest triangles that have together half of the sum of the squared errors of the stress, and goes on from the present state.
@@ -136,7 +142,7 @@ pub enum Command {
     /// Switches the guard.
     SetGuard(Toggle),
     /// Switches sleep.
-    SetSleep(Toggle),
+    SetSleep(Sleep),
     /// Replaces an effect of the level's list (by number), with its switch.
     SetEffect(usize, EffectLevel),
     /// Adds an effect to the level's list.
@@ -227,7 +233,9 @@ impl Command {
             | Self::Open(_)
             | Self::SetMaterial(..)
             | Self::AddBody(_)
+            | Self::CopyBody(_)
             | Self::RemoveBody(_)
+            | Self::SetPlace(..)
             | Self::SetMass(..)
             | Self::SetMembrane(..)
             | Self::SetNet(..)

@@ -48,6 +48,8 @@ pub enum Gesture {
     Material(usize),
     /// The mesh of a body.
     Mesh(usize),
+    /// The place of a body.
+    Place(usize),
     /// The mass of a body.
     Mass(usize),
     /// Mass and springs of a net.

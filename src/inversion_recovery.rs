@@ -130,7 +130,13 @@ pub fn untangled(scene: &Scene, state: &State) -> Option<State> {
     let mut found = None;
     for body in scene.bodies.iter().filter(|body| Tangle::of(scene, body, &state.x).is_some()) {
         // What was remembered belongs to the old shape.
-        let forgotten = || State { memory: Vec::new(), slow_checks: Vec::new(), anchors: Vec::new(), ..state.clone() };
+        let forgotten = || State {
+            memory: Vec::new(),
+            slow_checks: Vec::new(),
+            calm_positions: Vec::new(),
+            anchors: Vec::new(),
+            ..state.clone()
+        };
         let state = found.get_or_insert_with(forgotten);
         let numbers = 2 * body.vertices.start..2 * body.vertices.end;
         if scene.inverse_mass[numbers].contains(&0.0) {

@@ -26,7 +26,8 @@ use crate::{
     meshes::{MeshKind, natural},
     nets::NetKind,
     quantity::{
-        Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, SpacePoint, Spin, Thickness, Velocity,
+        Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, SleepTolerance, SpacePoint, Spin,
+        Thickness, Velocity,
     },
     toys::ToyKind,
 };
@@ -56,9 +57,9 @@ pub struct Level {
     /// Whether an unstable step is repeated as shorter ones.
     #[serde(default, skip_serializing_if = "is_default")]
     pub guard: Toggle,
-    /// Whether a body or net at rest sleeps until something acts on it.
+    /// Whether a body or net at rest, or a part of a body, sleeps until something acts on it.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub sleep: Toggle,
+    pub sleep: Sleep,
     /// The deformable bodies.
     #[serde(default)]
     pub bodies: Vec<BodyLevel>,
@@ -418,6 +419,24 @@ impl From<bool> for Toggle {
     fn from(on: bool) -> Self {
         if on { Self::On } else { Self::Off }
     }
+}
+
+/// What sleeps at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Sleep {
+    /// Bodies, nets and membranes, each as a whole.
+    #[default]
+    On,
+    /// Nothing.
+    Off,
+    /// As `On`; also regions of pinned bodies beside which hardly anything moves, while the rest of the body does. The number is the motion that a region may
+    /// ignore, as a share of its size.
+    Regions(SleepTolerance),
+}
+
+impl Sleep {
+    /// Tolerance of [`Self::Regions`] unless another is chosen.
+    pub const TOLERANCE: SleepTolerance = SleepTolerance::literal(1e-3);
 }
 
 /// In which modes an effect acts.

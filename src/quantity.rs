@@ -247,6 +247,8 @@ quantities! {
     RelativeTolerance: "relative tolerance" [""] in Included(1e-14), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
     /// How large the error of an inner step may be beside that, in metres and in metres per second.
     AbsoluteTolerance: "absolute tolerance" [""] in Included(1e-15), Included(1.0); slider 1e-10 to 1e-2, logarithmic;
+    /// How far what lies beside a sleeping region of a body may move before the region wakes, as a share of the size of the region.
+    SleepTolerance: "sleep tolerance" [""] in Included(1e-9), Included(0.1); slider 1e-6 to 1e-2, logarithmic;
     /// k of the springs along the sides of cells: force over distance.
     StructuralSpring: "structural stiffness" ["N/m"] in Included(0.0), Included(1e12); slider 1.0 to 1e4, logarithmic;
     /// k of the springs along the diagonals of cells: force over distance.

@@ -25,6 +25,7 @@ mod replay;
 mod restart;
 mod script;
 mod sleep;
+mod sleeping_regions;
 mod system;
 mod work;
 
@@ -48,6 +49,7 @@ use restart::Checkpoint;
 pub use restart::Restart;
 use script::Script;
 use sleep::Islands;
+use sleeping_regions::Regions;
 use std::cell::RefCell;
 use system::{Scratch, System, ToySystem};
 
@@ -64,6 +66,7 @@ pub struct Simulation {
     stale: bool,
     scratch: Scratch,
     islands: Islands,
+    regions: Regions,
     multirate: Multirate,
     grab: Option<Grab>,
     script: Option<Script>,
@@ -105,6 +108,7 @@ impl Simulation {
             joined: false,
             stale: true,
             islands: Islands::new(&scene),
+            regions: Regions::new(&scene),
             multirate: Multirate::new(&scene),
             scene,
             state,
@@ -148,7 +152,8 @@ impl Simulation {
         self.revision += 1;
         self.shape += 1;
         self.scratch.fit(&self.scene);
-        (self.islands, self.multirate) = (Islands::new(&self.scene), Multirate::new(&self.scene));
+        (self.islands, self.regions) = (Islands::new(&self.scene), Regions::new(&self.scene));
+        self.multirate = Multirate::new(&self.scene);
         self.wake_all(paced);
         self.begin_overlaps();
         self.find_initial_penetrations();
@@ -199,7 +204,7 @@ impl Simulation {
         (self.grab, self.stale) = (grab, true);
         self.revision += 1;
         if let Some(grab) = grab {
-            self.wake(grab.vertex);
+            self.wake(&[grab.vertex]);
         }
         if let Some(before) = before {
             self.guard.changed(before, self.energies());
@@ -378,6 +383,7 @@ impl Simulation {
             return true;
         }
         self.wake_pressed();
+        self.wake_beside();
         // Replay from the checkpoint needs all steps since then to have one length.
         self.stale |= self.guard.record_stable_step();
         true
@@ -459,7 +465,8 @@ impl Simulation {
             // Scenes reject toys with such a scheme.
             (Some(_), Scheme::Second(_)) => StepCounts::ONE,
             (None, _) => {
-                let mut system = System::begin(&self.scene, &mut self.scratch, self.grab, time, &mut self.state);
+                let acting = (&self.scene, self.regions.effects(&self.scene));
+                let mut system = System::begin(acting, &mut self.scratch, self.grab, time, &mut self.state);
                 let counts = integrator.step(&mut system, &mut self.state, &mut workspace, h);
                 system.end(h, &mut self.state);
                 counts

@@ -115,6 +115,10 @@ pub struct Snapshot {
     pub substep_plans: Vec<SubstepPlan>,
     /// Number of sleeping bodies and nets.
     pub asleep: usize,
+    /// Number of regions that sleep in bodies that are awake otherwise, and of all regions.
+    pub regions: [usize; 2],
+    /// Which vertices sleep with those regions; empty while none does.
+    pub still: Vec<bool>,
     /// Number of triangles of bodies that are awake: those that a step computes.
     pub computed: usize,
     /// Name and elastic energy \[J\] of the first body or net that has exploded, if one has.
@@ -362,9 +366,10 @@ impl Sandbox {
         snapshot.damping = self.damping();
         snapshot.wind = self.wind();
         snapshot.asleep = simulation.sleeping().filter(|asleep| *asleep).count();
-        let asleep = simulation.sleeping().chain(std::iter::repeat(false));
-        let awake = scene.bodies.iter().zip(asleep).filter(|(_, asleep)| !asleep);
-        snapshot.computed = awake.map(|(body, _)| body.mesh.triangles().len()).sum();
+        snapshot.regions = simulation.sleeping_regions();
+        snapshot.still.clear();
+        snapshot.still.extend_from_slice(simulation.still_vertices());
+        snapshot.computed = simulation.computed_triangles();
         snapshot.rewind_length = self.rewind_length();
         snapshot.costs.clear();
         snapshot.costs.extend_from_slice(simulation.costs());

@@ -24,9 +24,11 @@ pub struct State {
     pub memory: Vec<f64>,
     /// Memory of contacts, in the order of their names.
     pub anchors: Vec<Anchor>,
-    /// For each body and then each net, the number of consecutive checks below the sleep threshold; the greatest number
-    /// if it sleeps. Empty before the first check.
+    /// For each body, net and membrane, and then each region of bodies, the number of consecutive checks below the sleep threshold; the
+    /// greatest number if it sleeps. Empty before the first check.
     pub slow_checks: Vec<u32>,
+    /// Where each vertex was when a region beside it fell asleep \[m\]; empty while no region sleeps.
+    pub calm_positions: Vec<f64>,
 }
 
 impl State {

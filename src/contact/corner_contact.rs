@@ -127,7 +127,7 @@ impl BetweenVertices<2, 1, 3> for ObstacleContact {
         };
         // An edge may leave a corner that began inside its body.
         let penetrates = || self.penetrates(path.known(), part, self.first_corner(number) + corner);
-        if penetrates() && self.surface.is_inside(part, |end| motion.place(vector(path.start, end)), middle) {
+        if penetrates() && self.surface.is_inside(part, |end| vector(path.start, end), motion.back(middle)) {
             return None;
         }
         let ([nx, ny], t, _) = nearest(at);

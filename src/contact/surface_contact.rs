@@ -264,11 +264,11 @@ impl SurfaceTerm for SurfaceContact {
         near.extend(candidates.touching().iter().filter(is_near));
     }
 
-    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2])) {
+    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2], &[u32])) {
         with_candidates(self, motion, |candidates| {
             self.each_of_all(motion, candidates, &mut |pair, touch| {
                 if touch.pressure() > 0.0 {
-                    act(self.parts(pair).map(|part| self.surface.owner(part)));
+                    act(self.parts(pair).map(|part| self.surface.owner(part)), &touch.vertices);
                 }
             });
         });

@@ -41,8 +41,8 @@ pub trait SurfaceTerm: Send + Sync {
     /// Adds the pairs that are near at positions x \[m\], in their order: a function of the positions alone.
     fn add_near(&self, candidates: &Candidates, x: &[f64], near: &mut Vec<Pair>);
 
-    /// Calls `act` with the numbers of the bodies, nets or membranes of each pair that presses on each other.
-    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2]));
+    /// Calls `act` with the numbers of the bodies, nets or membranes of each pair that presses on each other, and with its vertices.
+    fn each_pressing(&self, motion: Motion<'_>, act: &mut dyn FnMut([usize; 2], &[u32]));
 
     /// Largest multiple of the displacement from positions x to `end` \[m\] in which no surfaces meet.
     fn longest_step(&self, scratch: &mut Truncation, candidates: &mut Candidates, x: &[f64], end: &[f64]) -> f64;

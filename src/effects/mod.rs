@@ -76,7 +76,10 @@ use crate::{
     registry::registry,
     solvers::{ConstraintRows, SparseMatrix, Weights},
 };
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 registry! {
     /// Kinds of effects.
@@ -352,6 +355,11 @@ pub trait Effect: Send + Sync {
 
     /// Number of elements (vertices, triangles, ...) in one call.
     fn elements(&self, motion: Motion<'_>) -> usize;
+
+    /// The effect on what moves: without the elements whose vertices all sleep, by their numbers in the scene. `None` if it leaves none out.
+    fn restricted(&self, _moves: &dyn Fn(usize) -> bool) -> Option<Arc<dyn Effect>> {
+        None
+    }
 
     /// Size of the scratch of [`Self::force`] and [`Self::stiffness_times`]; its content does not matter.
     fn scratch(&self) -> usize {

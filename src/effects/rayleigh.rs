@@ -153,6 +153,13 @@ impl Effect for Damping {
         if self.alpha == 0.0 && self.beta == 0.0 { Some(ZERO) } else { motion.stillness() }
     }
 
+    fn restricted(&self, moves: &dyn Fn(usize) -> bool) -> Option<Arc<dyn Effect>> {
+        let bodies =
+            self.bodies.iter().map(|body| body.restricted_to(moves).map_or_else(|| Arc::clone(body), Arc::new));
+        let (nets, membranes) = (self.nets.clone(), self.membranes.clone());
+        Some(Arc::new(Self { bodies: bodies.collect(), nets, membranes, ..*self }))
+    }
+
     /// Includes scratch for elastic forces; see [`Self::uniform_force`].
     fn scratch(&self) -> usize {
         2 * self.bodies.iter().map(|body| body.scratch()).max().unwrap_or(0)

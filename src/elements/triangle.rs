@@ -150,6 +150,30 @@ impl Triangles {
         Self { six_nodes, ..same }
     }
 
+    /// The triangles without those of fans all of whose vertices, by their numbers in the scene, do not move; `None` for elements of six nodes, and where
+    /// all are left.
+    pub fn restricted_to(&self, moves: &dyn Fn(usize) -> bool) -> Option<Self> {
+        if self.six_nodes.is_some() {
+            return None;
+        }
+        let fans = self.fans();
+        let mut kept: Vec<_> =
+            (0..fans.len()).filter(|fan| fans[*fan].iter().any(|vertex| moves(*vertex as usize))).collect();
+        if kept.len() == fans.len() {
+            return None;
+        }
+        if kept.is_empty() {
+            kept.push(0);
+        }
+        let shapes = kept.iter().map(|fan| self.shape.blocks.fan(*fan)).collect();
+        let of_kept = self.shape.corners.iter().zip(&self.shape.slots).filter_map(|(corners, slot)| {
+            let fan = kept.binary_search(&(*slot as usize / 2)).ok()?;
+            Some((*corners, 2 * fan as u32 + slot % 2))
+        });
+        let left = (kept.iter().map(|fan| fans[*fan]).collect(), shapes);
+        Some(Self::of_fans(left, self.shape.vertices.clone(), of_kept.unzip(), self.material.clone(), self.set()))
+    }
+
     /// The same triangles of another material. Shapes are shared.
     #[must_use]
     pub fn with_material(&self, material: BodyMaterial) -> Self {
@@ -321,6 +345,10 @@ impl Effect for Triangles {
 
     fn elements(&self, _: Motion<'_>) -> usize {
         self.shape.corners.len()
+    }
+
+    fn restricted(&self, moves: &dyn Fn(usize) -> bool) -> Option<Arc<dyn Effect>> {
+        self.restricted_to(moves).map(|left| Arc::new(left) as Arc<dyn Effect>)
     }
 
     fn scratch(&self) -> usize {

@@ -8,7 +8,7 @@ use crate::{
     contact::PlacedObstacle,
     effects::EffectKind,
     inversion_recovery::{Tangle, untangled},
-    level::{Level, RunMode, Substeps, Toggle, When, frame},
+    level::{Level, RunMode, Sleep, Substeps, When, frame},
     materials::Model,
     meshes::NoFiles,
     obstacles::ObstacleKind,
@@ -77,7 +77,7 @@ impl Run {
     /// # Errors
     /// If its level cannot be built.
     pub fn new(case: &Case, model: Model, method: Method) -> Result<Self, SceneError> {
-        let level = Level { substeps: Substeps::nearest(1.0), sleep: Toggle::Off, ..case.level(model, method) };
+        let level = Level { substeps: Substeps::nearest(1.0), sleep: Sleep::Off, ..case.level(model, method) };
         let scene = Scene::build(&level, level.mode, &NoFiles, None)?;
         let fence = Fence::new(&level, &scene, case.within);
         let simulation = Simulation::open(scene, &level, level.mode)?;

@@ -23,9 +23,12 @@ pub struct SavedState {
     /// Contacts: number of the effect, of the obstacle in it, and of the vertex; anchor of friction on the obstacle \[m\]; rest of the initial penetration \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<((u32, u32, u32), Position, Reach)>,
-    /// How calm each body and then each net has been; the greatest number if it sleeps.
+    /// How calm each body, net and membrane, and then each region of bodies, has been; the greatest number if it sleeps.
     #[serde(default, skip_serializing_if = "is_default")]
     pub calm: Vec<u32>,
+    /// While regions of bodies sleep, where each vertex was when a region beside it fell asleep \[m\].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub calm_positions: Vec<Position>,
     /// The vertex that a scripted action pulls, by its place in the positions, and the point that it is pulled to \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pulled: Option<(u32, Position)>,
@@ -51,6 +54,7 @@ impl SavedState {
             memory: Vec::new(),
             anchors: Vec::new(),
             calm: Vec::new(),
+            calm_positions: Vec::new(),
             pulled: None,
             guard: None,
             checkpoints: Vec::new(),

@@ -140,6 +140,11 @@ impl<const D: usize> SweptMotion<D> {
         if self.is_still { point } else { self.end.point(self.start.back(point)) }
     }
 
+    /// Maps a point at the end of the step, attached to the obstacle, to the start.
+    pub fn back(&self, point: [f64; D]) -> [f64; D] {
+        if self.is_still { point } else { self.start.point(self.end.back(point)) }
+    }
+
     /// Maps a point of the world at the end of the step to the shape.
     pub fn to_shape(&self, point: [f64; D]) -> [f64; D] {
         if self.is_still { point } else { self.end.back(point) }

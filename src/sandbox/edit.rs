@@ -35,10 +35,9 @@ impl Sandbox {
                 get(&mut document.level.bodies, body)?.material = material.with_model(model);
                 gesture = Some(Gesture::Material(body));
             }
-            Command::SetMesh(body, mesh) => {
-                then = self.set_mesh(&mut document, body, mesh)?;
-                gesture = Some(Gesture::Mesh(document.source(body)));
-            }
+            Command::SetMesh(body, mesh) => (then, gesture) = self.set_mesh(&mut document, body, mesh)?,
+            Command::SetPlace(body, place) => (then, gesture) = self.set_place(&mut document, body, place)?,
+            Command::CopyBody(body) => (then, gesture) = self.copy_body(&mut document, body)?,
             Command::SetElement(body, element) => then = self.set_element(&mut document, body, element)?,
             Command::SetMass(body, mass) => {
                 let body = document.source(body);
@@ -148,13 +147,19 @@ impl Sandbox {
     }
 
     /// Sets the mesh of a shown body.
-    fn set_mesh(&self, document: &mut Document, shown: usize, mesh: MeshKind) -> Result<Then, Refused> {
+    fn set_mesh(
+        &self,
+        document: &mut Document,
+        shown: usize,
+        mesh: MeshKind,
+    ) -> Result<(Then, Option<Gesture>), Refused> {
         let body = document.source(shown);
+        let gesture = Some(Gesture::Mesh(body));
         if get(&mut document.level.bodies, body)?.mesh == mesh {
-            return Ok(Then::Keep);
+            return Ok((Then::Keep, gesture));
         }
         document.set_mesh(body, mesh, &self.rest_points(shown));
-        Ok(Then::Restart)
+        Ok((Then::Restart, gesture))
     }
 
     fn set_element(&self, document: &mut Document, shown: usize, element: ElementKind) -> Result<Then, Refused> {
@@ -229,10 +234,10 @@ fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option
     }
 }
 
-const TEST_BODIES: Refused = Refused::NotHere("a stretch test has its own strips alone");
+pub(super) const TEST_BODIES: Refused = Refused::NotHere("a stretch test has its own strips alone");
 
 /// Adds a body under a name of its own.
-fn add_body(document: &mut Document, mut body: BodyLevel) -> Result<(), Refused> {
+pub(super) fn add_body(document: &mut Document, mut body: BodyLevel) -> Result<(), Refused> {
     if document.level.test.is_some() {
         return Err(TEST_BODIES);
     }

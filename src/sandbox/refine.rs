@@ -128,8 +128,7 @@ impl Sandbox {
         v.iter_mut().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse == 0.0).for_each(|(v, _)| *v = 0.0);
         scene.place_held(state.time, &mut x, &mut v);
         // Nothing sleeps: the finer mesh has another equilibrium.
-        let (anchors, memory, slow_checks) = (Vec::new(), Vec::new(), Vec::new());
-        Some(State { x, v, memory, anchors, slow_checks, ..state.clone() })
+        Some(State { x, v, time: state.time, steps: state.steps, ..State::default() })
     }
 
     /// Number of triangles, energies and momentum now.

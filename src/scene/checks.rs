@@ -43,15 +43,22 @@ impl Scene {
     /// Whether pins and rollers leave no rigid motion of the whole scene: in the plane, whether the sum of the squares of the velocities along the fixed coordinates
     /// is positive for each combination of two translations and a rotation. In space two pins count as enough.
     pub fn is_held(&self) -> bool {
-        if self.dimension != 2 || self.pins.len() > 1 {
-            return self.pins.len() > 1;
+        self.holds(&(0..self.vertices()))
+    }
+
+    /// Whether pins and rollers of these vertices leave no rigid motion of them.
+    pub fn holds(&self, vertices: &Range<usize>) -> bool {
+        let is_own = |vertex: u32| vertices.contains(&(vertex as usize));
+        let pins = self.pins.iter().copied().filter(|pin| is_own(*pin));
+        if self.dimension != 2 || pins.clone().count() > 1 {
+            return pins.count() > 1;
         }
-        let pinned = self.pins.iter().flat_map(|pin| [(*pin, 0), (*pin, 1)]);
-        let fixed = || pinned.clone().chain(self.rollers.iter().copied());
+        let rollers = self.rollers.iter().copied().filter(|(vertex, _)| is_own(*vertex));
+        let fixed = || pins.clone().flat_map(|pin| [(pin, 0), (pin, 1)]).chain(rollers.clone());
         let point = |vertex: u32| [0, 1].map(|axis| self.rest[2 * vertex as usize + axis]);
         let count = fixed().count().max(1) as f64;
         let middle = [0, 1].map(|axis| fixed().map(|(vertex, _)| point(vertex)[axis]).sum::<f64>() / count);
-        let size = self.size(&(0..self.vertices()));
+        let size = self.size(vertices);
         let sum = fixed().fold(Matrix3::zeros(), |sum, (vertex, axis)| {
             let [x, y] = [0, 1].map(|axis| (point(vertex)[axis] - middle[axis]) / size);
             let row = if axis == 0 { Vector3::new(1.0, 0.0, -y) } else { Vector3::new(0.0, 1.0, x) };

@@ -24,7 +24,7 @@ use crate::{
     effects::{Effect, HeldVertices, LengthProjection, Motion},
     elements::{BodyMaterial, CoupledMass, ElasticElements, ElementKind, Elements, Triangles},
     integrators::{IntegratorKind, Scheme},
-    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Substeps, Toggle},
+    level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Sleep, Substeps, Toggle},
     materials::{MaterialParameters, TypedEnergy},
     meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, nearest, on_edge, pinned},
     quantity::{Factor, Position},
@@ -79,8 +79,8 @@ pub struct Scene {
     pub step: f64,
     /// Whether an unstable step is repeated in shorter ones.
     pub guard: bool,
-    /// Whether bodies and nets at rest sleep until something acts on them.
-    pub sleep: bool,
+    /// What sleeps at rest until something acts on it.
+    pub sleep: Sleep,
     /// Sub-scenes of each body, each net and each membrane, with multirate stepping; empty otherwise.
     pub sub_scenes: Vec<Arc<SubScene>>,
     /// Repairs while building, and other notes for the user.
@@ -254,7 +254,7 @@ impl Scene {
             integrator: level.integrator.clone(),
             step: level.substeps.step(),
             guard: level.guard == Toggle::On,
-            sleep: level.sleep == Toggle::On,
+            sleep: level.sleep,
             ..Self::empty(dimension(level)?)
         };
         for body in &level.bodies {
@@ -303,7 +303,7 @@ impl Scene {
             integrator: IntegratorKind::default(),
             step: Substeps::default().step(),
             guard: true,
-            sleep: true,
+            sleep: Sleep::On,
             sub_scenes: Vec::new(),
             messages: Vec::new(),
         }
@@ -441,9 +441,15 @@ impl Scene {
             time: saved.time.get(),
             steps: saved.steps,
             slow_checks: saved.calm.clone(),
+            calm_positions: self.calm_positions(&flat(&saved.calm_positions)),
             anchors: self.unlisted_anchors(&saved.anchors),
             memory: saved.memory.iter().map(|number| number.get()).collect(),
         })
+    }
+
+    /// Positions for sleeping regions from how a level lists them; none if it lists others than all.
+    fn calm_positions(&self, listed: &[f64]) -> Vec<f64> {
+        if listed.len() == self.start.x.len() && !listed.is_empty() { self.unlisted(listed) } else { Vec::new() }
     }
 
     /// Number of steps in a frame of 1/60 s, rounded; at least one.

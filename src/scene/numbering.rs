@@ -103,7 +103,11 @@ impl Scene {
                     let vertex = &mut anchor.contact.vertex;
                     *vertex = self.listed_vertex(*vertex as usize).map_or(*vertex, |listed| listed as u32);
                 }
-                Cow::Owned(State { x, v, anchors, ..state.clone() })
+                let calm_positions = match &state.calm_positions[..] {
+                    [] => Vec::new(),
+                    positions => self.listed(positions).into_owned(),
+                };
+                Cow::Owned(State { x, v, anchors, calm_positions, ..state.clone() })
             }
             _ => Cow::Borrowed(state),
         }

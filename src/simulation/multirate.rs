@@ -208,7 +208,8 @@ impl SubstepStepper {
             let mut workspace = std::mem::take(&mut self.scratch.workspace);
             let scene = &self.sub_scene.scene;
             let time = [at(substep), at(substep + 1)];
-            let mut system = System::begin(scene, &mut self.scratch, interval.grab, time, &mut self.state);
+            let mut system =
+                System::begin((scene, &scene.effects), &mut self.scratch, interval.grab, time, &mut self.state);
             let counts = interval.integrator.step(&mut system, &mut self.state, &mut workspace, interval.h);
             system.end(interval.h, &mut self.state);
             self.scratch.workspace = workspace;

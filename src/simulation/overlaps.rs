@@ -70,6 +70,7 @@ impl Simulation {
             }
         }
         self.overlaps.aside = aside;
+        self.regions.renew_effects(&self.scene);
     }
 
     /// Moves bodies that overlap apart for a time h \[s\], without a change of their velocities: rigidly, in the inverse ratio of
@@ -91,7 +92,7 @@ impl Simulation {
             return;
         }
         for body in overlaps.iter().flat_map(|overlap| overlap.bodies) {
-            self.wake(self.scene.bodies[body].vertices.start);
+            self.wake_whole(body);
         }
         (self.scratch.clear_box, self.scratch.displacement_bound) = (None, -1.0);
         self.shape += 1;
@@ -99,7 +100,8 @@ impl Simulation {
         let start = self.state.x.clone();
         let (mut end, mut v) = (start.clone(), self.state.v.clone());
         let time = [self.state.time; 2];
-        let mut system = System::begin(&self.scene, &mut self.scratch, self.grab, time, &mut self.state);
+        let acting = (&self.scene, self.regions.effects(&self.scene));
+        let mut system = System::begin(acting, &mut self.scratch, self.grab, time, &mut self.state);
         for overlap in &overlaps {
             let shares = shares(&self.scene, overlap.bodies);
             let end_of = |way: [f64; 2], end: &[f64]| moved(&self.scene, (overlap.bodies, shares), way, end);

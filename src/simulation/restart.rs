@@ -68,7 +68,7 @@ impl Restart {
     /// Number of floating-point numbers.
     pub fn len(&self) -> usize {
         let states = self.checkpoints.iter().map(|earlier| &earlier.state).chain([&self.state]);
-        states.map(|state| state.x.len() + state.v.len() + state.memory.len()).sum()
+        states.map(|state| state.x.len() + state.v.len() + state.memory.len() + state.calm_positions.len()).sum()
     }
 
     /// Whether it is empty: not taken from a run yet.
@@ -129,8 +129,12 @@ impl Simulation {
         self.set_state(from.state.clone());
         // Without a saved pull, that of scripted actions at this time applies.
         (self.grab, self.guard) = (from.grab.or(self.grab), from.guard.clone());
+        let listed = self.state.slow_checks.len();
         let mut both = from.checkpoints.iter().map(|earlier| {
-            let Earlier { state, guard } = earlier.clone();
+            let Earlier { mut state, guard } = earlier.clone();
+            if state.slow_checks.len() != listed {
+                (state.slow_checks, state.calm_positions) = (Vec::new(), Vec::new());
+            }
             Checkpoint::new(state, guard, (self.scratch.counts, &self.scratch.costs))
         });
         if let Some(latest) = both.next() {
@@ -173,6 +177,7 @@ impl Simulation {
         Some(SavedState {
             anchors: state.anchors.iter().map(anchor).collect::<Option<_>>()?,
             calm: state.slow_checks.clone(),
+            calm_positions: points(&state.calm_positions)?,
             memory: state.memory.iter().map(|number| Coordinate::new(*number).ok()).collect::<Option<_>>()?,
             ..SavedState::new((state.steps, Time::new(state.time).ok()?), points(&state.x)?, points(&state.v)?)
         })
@@ -216,7 +221,11 @@ impl Simulation {
 
     /// Returns to a step since the checkpoint by replay: the same steps give the same bits.
     pub(super) fn go_back_to(&mut self, step: u64) {
+        let slept = std::mem::take(&mut self.state.slow_checks);
         self.state.clone_from(&self.checkpoint.state);
+        if self.state.slow_checks != slept {
+            self.apply_sleep();
+        }
         self.shape += 1;
         self.scratch.counts = self.checkpoint.counts;
         self.scratch.costs.clone_from(&self.checkpoint.costs);

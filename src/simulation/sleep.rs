@@ -17,11 +17,11 @@
 //! Velocities of a sleeping body are zero; its positions keep every bit, asleep and on waking.
 
 use super::{BATCH, Simulation, contacts::surface_contact};
-use crate::{effects::Motion, elements::ElasticElements, scene::Scene, state::State};
+use crate::{effects::Motion, elements::ElasticElements, level::Sleep, scene::Scene, state::State};
 use std::{ops::Range, sync::Arc};
 
 /// tau: time below the sleep threshold before sleep \[s\].
-const WINDOW: f64 = 0.5;
+pub(super) const WINDOW: f64 = 0.5;
 
 /// theta: allowed displacement in that time, as a fraction of its size.
 const THETA: f64 = 1e-4;
@@ -76,7 +76,7 @@ impl Islands {
         let every = BATCH * (1.0 / (CHECK_RATE * scene.step * BATCH as f64)).round().max(1.0) as u64;
         let checks = (WINDOW / (every as f64 * scene.step)).ceil() as u32 + 1;
         let is_steady = scene.effects.iter().all(|effect| effect.is_steady()) && !scene.couples_parts();
-        let possible = scene.sleep && scene.toy.is_none() && is_steady;
+        let possible = scene.sleep != Sleep::Off && scene.toy.is_none() && is_steady;
         Self { all: scene.parts.iter().map(island).collect(), possible, asleep: 0, every, checks, force: Vec::new() }
     }
 }
@@ -121,34 +121,50 @@ impl Simulation {
 
     /// Updates sleep from the state, after it or the scene was changed.
     pub(super) fn apply_sleep(&mut self) {
-        let slow_checks = &mut self.state.slow_checks;
-        if !self.islands.possible || slow_checks.len() != self.islands.all.len() {
-            slow_checks.clear();
+        let Self { islands, regions, scene, state, scratch, .. } = self;
+        if !islands.possible || state.slow_checks.len() != islands.all.len() + regions.count() {
+            state.slow_checks.clear();
         }
-        for number in 0..self.state.slow_checks.len() {
-            if self.state.slow_checks[number] == ASLEEP && has_exploded(&self.scene, number, &self.state) {
-                self.state.slow_checks[number] = 0;
+        for number in 0..islands.all.len().min(state.slow_checks.len()) {
+            if state.slow_checks[number] == ASLEEP && has_exploded(scene, number, state) {
+                state.slow_checks[number] = 0;
             }
         }
-        let slow_checks = &self.state.slow_checks;
-        self.islands.asleep = slow_checks.iter().filter(|slow_checks| **slow_checks == ASLEEP).count();
-        self.scratch.set_sleeping(&self.scene, slow_checks.iter().map(|slow_checks| *slow_checks == ASLEEP));
-        for (island, _) in self.islands.all.iter().zip(slow_checks).filter(|(_, slow_checks)| **slow_checks == ASLEEP) {
-            self.scratch.constrain_sleeping(&island.numbers);
+        regions.update(scene, state);
+        let asleep = islands.all.iter().zip(&state.slow_checks).map(|(_, slow_checks)| *slow_checks == ASLEEP);
+        islands.asleep = asleep.clone().filter(|asleep| *asleep).count();
+        scratch.set_sleeping(scene, regions.effects(scene), asleep.clone(), regions.asleep());
+        for (island, _) in islands.all.iter().zip(asleep).filter(|(_, asleep)| *asleep) {
+            scratch.constrain_sleeping(island.numbers.clone());
+        }
+        for region in regions.asleep() {
+            scratch.constrain_sleeping(regions.numbers(*region));
         }
     }
 
-    /// Wakes the body or net of a vertex.
-    pub(super) fn wake(&mut self, vertex: usize) {
-        for (slow_checks, island) in self.state.slow_checks.iter_mut().zip(&self.islands.all) {
-            if island.vertices.contains(&vertex) {
-                *slow_checks = 0;
+    /// Wakes the bodies and nets of vertices; of a body with regions, those around them.
+    pub(super) fn wake(&mut self, vertices: &[usize]) {
+        for vertex in vertices {
+            self.regions.wake_around(&mut self.state, *vertex);
+            for (slow_checks, island) in self.state.slow_checks.iter_mut().zip(&self.islands.all) {
+                if island.vertices.contains(vertex) {
+                    *slow_checks = 0;
+                }
             }
         }
-        if self.islands.asleep > 0 {
+        if self.islands.asleep > 0 || self.sleeping_regions()[0] > 0 {
             self.stale = true;
             self.apply_sleep();
         }
+    }
+
+    /// Wakes a body, with all its regions.
+    pub(super) fn wake_whole(&mut self, body: usize) {
+        self.regions.wake_all_of(&mut self.state, body);
+        if let Some(slow_checks) = self.state.slow_checks.get_mut(body) {
+            *slow_checks = 0;
+        }
+        self.wake(&[self.scene.bodies[body].vertices.start]);
     }
 
     /// Wakes all bodies and nets after a change. The counters of awake ones stay if `keep_counters` is set.
@@ -170,7 +186,7 @@ impl Simulation {
         if !islands.possible || !self.state.steps.is_multiple_of(islands.every) {
             return;
         }
-        self.state.slow_checks.resize(islands.all.len(), 0);
+        self.state.slow_checks.resize(islands.all.len() + self.regions.count(), 0);
         let pulled = self.grab.map(|grab| grab.vertex);
         for (number, (slow_checks, island)) in self.state.slow_checks.iter_mut().zip(&islands.all).enumerate() {
             if *slow_checks == ASLEEP {
@@ -183,6 +199,7 @@ impl Simulation {
             let is_released = pulled.is_none_or(|vertex| !island.vertices.contains(&vertex));
             *slow_checks = if slow && is_released { *slow_checks + 1 } else { 0 };
         }
+        self.count_slow_regions();
     }
 
     /// Puts bodies and nets to sleep that were below the threshold for long enough and stay at rest when released; to
@@ -192,9 +209,14 @@ impl Simulation {
         if !self.islands.possible || self.guard.level() > 0 {
             return;
         }
-        if !self.state.slow_checks.iter().any(|slow_checks| *slow_checks >= checks && *slow_checks != ASLEEP) {
+        if self.state.steps.is_multiple_of(self.islands.every) {
+            self.regions_fall_asleep(checks);
+        }
+        let mut of_parts = self.state.slow_checks.iter().take(self.islands.all.len());
+        if !of_parts.any(|slow_checks| *slow_checks >= checks && *slow_checks != ASLEEP) {
             return;
         }
+        self.wake_regions_of_slow(checks);
         self.step_from_rest();
         let islands = std::mem::take(&mut self.islands.all);
         let rest: Vec<_> = islands
@@ -211,6 +233,8 @@ impl Simulation {
             let slow_checks = self.checkpoint.state.slow_checks[number];
             if slow_checks >= checks && slow_checks != ASLEEP && !waits[number] {
                 self.checkpoint.state.slow_checks[number] = if sleeps[number] { ASLEEP } else { 0 };
+                // Its regions have the same time to come to rest.
+                self.regions.wake_all_of(&mut self.checkpoint.state, number);
                 if sleeps[number] {
                     self.checkpoint.state.v[island.numbers.clone()].fill(0.0);
                     self.joined = false;
@@ -232,12 +256,14 @@ impl Simulation {
         let Some(contact) = surface_contact(&self.scene) else { return (rest, waits) };
         let state = &self.checkpoint.state;
         let mut pressing = Vec::new();
-        contact.each_pressing(self.scene.motion(state, self.grab), &mut |owners| pressing.push(owners));
+        contact.each_pressing(self.scene.motion(state, self.grab), &mut |owners, vertices| {
+            pressing.push((owners, self.regions.asleep_sides(&self.scene, &state.slow_checks, owners, vertices)));
+        });
         let mut changes = true;
         while std::mem::take(&mut changes) {
-            for [a, b] in &pressing {
-                for [one, other] in [[*a, *b], [*b, *a]] {
-                    if rest[one] && !rest[other] && state.slow_checks[other] != ASLEEP {
+            for ([a, b], [a_sleeps, b_sleeps]) in &pressing {
+                for (one, other, sleeps) in [(*a, *b, *b_sleeps), (*b, *a, *a_sleeps)] {
+                    if rest[one] && !rest[other] && !sleeps {
                         (rest[one], waits[one], changes) = (false, state.slow_checks[other] > 0, true);
                     }
                 }
@@ -251,19 +277,23 @@ impl Simulation {
         if self.islands.asleep == 0 || self.is_asleep() {
             return;
         }
-        let Self { scratch, scene, state, islands, grab, .. } = self;
+        let Self { scratch, scene, state, grab, regions, .. } = self;
         let Some(contact) = surface_contact(scene) else { return };
         scratch.contacts.update(scene, &state.x);
         let motion = Motion { candidates: Some(&scratch.contacts.candidates), ..scene.motion(state, *grab) };
         let mut woken = Vec::new();
-        contact.each_pressing(motion, &mut |owners| {
-            if let [true, false] | [false, true] = owners.map(|number| state.slow_checks.get(number) == Some(&ASLEEP)) {
-                woken.extend(owners.map(|number| islands.all[number].vertices.start));
+        contact.each_pressing(motion, &mut |owners, vertices| {
+            let is_whole = |number: usize| state.slow_checks.get(number) == Some(&ASLEEP);
+            let sides = regions.asleep_sides(scene, &state.slow_checks, owners, vertices);
+            // A region wakes by what moves beside it.
+            if matches!(sides, [true, false] | [false, true]) && owners.map(is_whole).contains(&true) {
+                woken.extend(vertices.iter().map(|vertex| *vertex as usize));
             }
         });
+        woken.sort_unstable();
         woken.dedup();
-        for vertex in woken {
-            self.wake(vertex);
+        if !woken.is_empty() {
+            self.wake(&woken);
         }
     }
 

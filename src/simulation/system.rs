@@ -12,7 +12,7 @@ use crate::{
     state::State,
     toys::Toy,
 };
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 use web_time::Instant;
 
 /// Reason for skipping elements of sleeping bodies.
@@ -42,24 +42,26 @@ pub(super) struct Plan {
     pub sleeping: Vec<usize>,
     /// Whether any contact has a potential.
     pub has_potential: bool,
-    /// Number of triangles of awake bodies, which a step computes.
+    /// Number of triangles of bodies which a step computes.
     pub triangles: usize,
+    /// Sleeping regions of bodies.
+    pub still: Vec<usize>,
 }
 
 impl Plan {
-    /// Makes the plan of a scene; `asleep` tells which of its elements, the first effects, sleep.
-    fn new(scene: &Scene, asleep: impl Iterator<Item = bool>) -> Self {
-        let mut plan = Self::default();
+    /// Makes the plan of a scene with these effects; `asleep` tells which of its elements, the first effects, sleep, and `still` which regions.
+    fn new(scene: &Scene, effects: &[Arc<dyn Effect>], asleep: impl Iterator<Item = bool>, still: &[usize]) -> Self {
+        let mut plan = Self { still: still.to_vec(), ..Self::default() };
         let asleep = asleep.chain(std::iter::repeat(false));
-        for ((number, effect), asleep) in scene.effects.iter().enumerate().zip(asleep) {
+        for ((number, effect), asleep) in effects.iter().enumerate().zip(asleep) {
             let mut properties = ContactProperties::default();
             effect.set_properties(&mut properties);
             if asleep {
                 plan.sleeping.push(number);
                 continue;
             }
-            if let Some(body) = scene.bodies.get(number) {
-                plan.triangles += body.mesh.triangles().len();
+            if number < scene.bodies.len() {
+                plan.triangles += effect.elements(Motion::NONE);
             }
             let has_potential = effect.contact().is_some();
             plan.has_potential |= has_potential;
@@ -133,7 +135,7 @@ impl Scratch {
         // Pairs are of the surfaces of the old scene.
         self.contacts = Contacts::default();
         reserve_scratch(&mut self.effects, scene.scratch());
-        self.set_sleeping(scene, std::iter::empty());
+        self.set_sleeping(scene, &scene.effects, std::iter::empty(), &[]);
         (self.clear_box, self.displacement_bound) = (None, -1.0);
         self.mass_solver.fit(scene.dimension, &scene.coupled_mass, [&scene.mass, &scene.inverse_mass]);
         let movable = scene.mass.iter().zip(&scene.inverse_mass).filter(|(_, inverse)| **inverse != 0.0);
@@ -147,23 +149,32 @@ impl Scratch {
         }
     }
 
-    /// Sets which bodies and nets sleep; their vertices are not constrained yet.
-    pub fn set_sleeping(&mut self, scene: &Scene, asleep: impl Iterator<Item = bool>) {
-        let plan = Plan::new(scene, asleep);
-        if plan.sleeping != self.plan.sleeping {
+    /// Sets which bodies and nets, and which regions of bodies sleep, and the effects that act; the vertices are not constrained yet.
+    pub fn set_sleeping(
+        &mut self,
+        scene: &Scene,
+        effects: &[Arc<dyn Effect>],
+        asleep: impl Iterator<Item = bool>,
+        still: &[usize],
+    ) {
+        let plan = Plan::new(scene, effects, asleep, still);
+        if plan.sleeping != self.plan.sleeping || plan.still != self.plan.still {
             // The sparsity pattern changes.
             self.workspace.forget();
         }
         self.plan = plan;
+        reserve_scratch(&mut self.effects, effects.iter().map(|effect| effect.scratch()).max().unwrap_or(0));
         self.masked_inverse_mass.clear();
-        if !self.plan.sleeping.is_empty() {
+        if !self.plan.sleeping.is_empty() || !still.is_empty() {
             self.masked_inverse_mass.extend_from_slice(&scene.inverse_mass);
         }
     }
 
-    /// Constrains a sleeping body or net, whose numbers in the state these are.
-    pub fn constrain_sleeping(&mut self, numbers: &Range<usize>) {
-        self.masked_inverse_mass[numbers.clone()].fill(0.0);
+    /// Constrains what sleeps, whose numbers in the state these are.
+    pub fn constrain_sleeping(&mut self, numbers: impl Iterator<Item = usize>) {
+        for number in numbers {
+            self.masked_inverse_mass[number] = 0.0;
+        }
     }
 
     /// Reduces the displacement bound by the greatest displacement in a step of length h \[s\]: that of the lightest
@@ -176,15 +187,19 @@ impl Scratch {
 
     /// The uniform force, if no other force acts beside the elements, all elements have an Euler update, and effects are not
     /// measured.
-    pub fn uniform_force(&self, scene: &Scene, motion: Motion<'_>) -> Option<UniformForce> {
-        let are_plain = self.plan.elements.iter().all(|number| scene.effects[*number].has_euler_update());
+    pub fn uniform_force(
+        &self,
+        (scene, effects): (&Scene, &[Arc<dyn Effect>]),
+        motion: Motion<'_>,
+    ) -> Option<UniformForce> {
+        let are_plain = self.plan.elements.iter().all(|number| effects[*number].has_euler_update());
         if !are_plain || !self.plan.constraints.is_empty() || !scene.coupled_mass.is_empty() {
             return None;
         }
-        let acts = |number: &&usize| !self.costs[**number].auto || scene.effects[**number].idle(motion).is_none();
+        let acts = |number: &&usize| !self.costs[**number].auto || effects[**number].idle(motion).is_none();
         // Those of contact are added afterwards.
-        let forces = self.plan.forces.iter().filter(|number| scene.effects[**number].contact().is_none());
-        let mut acting = forces.filter(acts).map(|number| scene.effects[*number].uniform_force());
+        let forces = self.plan.forces.iter().filter(|number| effects[**number].contact().is_none());
+        let mut acting = forces.filter(acts).map(|number| effects[*number].uniform_force());
         let all = acting.try_fold(UniformForce::default(), |all, next| all.and(next?));
         all.filter(|_| !self.measured)
     }
@@ -219,6 +234,8 @@ impl Scratch {
 /// A scene with scratch, pull and time of a step.
 pub(super) struct System<'a> {
     pub scene: &'a Scene,
+    /// The effects that act: those of the scene, or what sleep leaves of them.
+    pub effects: &'a [Arc<dyn Effect>],
     pub scratch: &'a mut Scratch,
     pub grab: Option<Grab>,
     /// Simulated time at the start and at the end of the step \[s\].
@@ -230,9 +247,9 @@ pub(super) struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    /// A scene in a state, whose anchors it takes until [`Self::end`].
+    /// A scene with the effects that act, in a state whose anchors it takes until [`Self::end`].
     pub fn begin(
-        scene: &'a Scene,
+        (scene, effects): (&'a Scene, &'a [Arc<dyn Effect>]),
         scratch: &'a mut Scratch,
         grab: Option<Grab>,
         time: [f64; 2],
@@ -240,7 +257,7 @@ impl<'a> System<'a> {
     ) -> Self {
         let mut taken = std::mem::take(&mut scratch.contacts);
         std::mem::swap(&mut taken.anchors, &mut state.anchors);
-        let mut system = Self { scene, scratch, grab, time, contacts: taken, is_truncated: false };
+        let mut system = Self { scene, effects, scratch, grab, time, contacts: taken, is_truncated: false };
         system.place_held(time[0], &mut state.x, &mut state.v);
         system.contacts.update(scene, &state.x);
         if scene.integrator.kind().class() == Class::Implicit {
@@ -297,24 +314,23 @@ fn motion<'m>(
     }
 }
 
-/// The effects of a scene without the elements of sleeping bodies.
-fn awake<'a>(scene: &'a Scene, plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
+/// Effects without the elements of sleeping bodies.
+fn awake<'a>(effects: &'a [Arc<dyn Effect>], plan: &Plan) -> impl Iterator<Item = &'a dyn Effect> {
     let acts = |(number, effect): (usize, &'a Arc<dyn Effect>)| (!plan.sleeping.contains(&number)).then_some(&**effect);
-    scene.effects.iter().enumerate().filter_map(acts)
+    effects.iter().enumerate().filter_map(acts)
 }
 
 impl System<'_> {
     /// Updates the statistics of a step in which elements update the vertices themselves.
     pub fn count_euler_update(&mut self, x: &[f64], v: &[f64]) {
-        let scene = self.scene;
-        let motion = motion(scene, &self.contacts, self.grab, self.time[0], [x, v]);
+        let motion = motion(self.scene, &self.contacts, self.grab, self.time[0], [x, v]);
         let Scratch { plan, costs, counts, .. } = &mut *self.scratch;
         counts.force_evaluations += 1;
         for number in &plan.sleeping {
             costs[*number].pass_over(ASLEEP);
         }
         for number in plan.elements.iter().chain(&plan.forces) {
-            let (effect, cost) = (&scene.effects[*number], &mut costs[*number]);
+            let (effect, cost) = (&self.effects[*number], &mut costs[*number]);
             if effect.contact().is_some() {
                 continue;
             }
@@ -342,7 +358,7 @@ impl System<'_> {
         for turn in 0..count[1] {
             let Plan { elements, forces, .. } = &self.scratch.plan;
             let number = if turn < count[0] { elements[turn] } else { forces[turn - count[0]] };
-            let (effect, cost) = (&scene.effects[number], &mut self.scratch.costs[number]);
+            let (effect, cost) = (&self.effects[number], &mut self.scratch.costs[number]);
             if !with_contact && effect.contact().is_some() {
                 continue;
             }
@@ -471,11 +487,13 @@ impl Dynamics for System<'_> {
         self.with_held(time, x, v, |system, x, v| system.forces(true, time, x, v, force));
     }
 
-    /// Hash of the pull of the mouse, and of the sleeping bodies and nets, whose elements are skipped.
+    /// Hash of the pull of the mouse, and of the sleeping bodies, nets and regions, whose elements are skipped.
     fn load_fingerprint(&self) -> u32 {
         let grab = self.grab.map(|Grab { vertex, target: [x, y, _] }| [vertex as u64 + 1, x.to_bits(), y.to_bits()]);
         let third = self.grab.filter(|_| self.scene.dimension > 2).map(|grab| grab.target[2].to_bits());
-        let sleeping = self.scratch.plan.sleeping.iter().map(|number| *number as u64 + 1);
+        let Plan { sleeping, still, .. } = &self.scratch.plan;
+        let parts = sleeping.iter().map(|number| *number as u64 + 1);
+        let sleeping = parts.chain(still.iter().map(|region| !(*region as u64)));
         let mix = |hash: u64, number: u64| (hash ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
         let hash = grab.unwrap_or_default().into_iter().chain(third).chain(sleeping).fold(0, mix);
         (hash >> 32) as u32 ^ hash as u32
@@ -489,7 +507,7 @@ impl Dynamics for System<'_> {
             return symplectic_euler_update(x, v, force, self.inverse_mass(), h);
         }
         self.find_contact_forces(x, v);
-        let Some(uniform_force) = self.scratch.uniform_force(self.scene, self.motion(0.0, x, v)) else {
+        let Some(uniform_force) = self.scratch.uniform_force((self.scene, self.effects), self.motion(0.0, x, v)) else {
             self.forces(false, 0.0, x, v, force);
             symplectic_euler_update(x, v, force, self.inverse_mass(), h);
             return self.add_contact_forces(x, v, h);
@@ -501,7 +519,7 @@ impl Dynamics for System<'_> {
         let mut vertices =
             EulerUpdate { x, v, mass: &scene.mass, inverse_mass, uniform_force, step: h, twice_kinetic: 0.0 };
         for number in &plan.elements {
-            scene.effects[*number].euler_update(&mut vertices, effects);
+            self.effects[*number].euler_update(&mut vertices, effects);
         }
         self.scratch.kinetic = Some(0.5 * vertices.twice_kinetic);
         self.add_contact_forces(x, v, h);
@@ -541,7 +559,7 @@ impl Dynamics for System<'_> {
             let inverse_mass = if masked_inverse_mass.is_empty() { &scene.inverse_mass } else { &*masked_inverse_mass };
             let motion = motion(scene, &system.contacts, system.grab, system.time[0] + time, [x, v]);
             let motion = Motion { inverse_mass, span, elastic_span, ..motion };
-            for effect in awake(scene, plan) {
+            for effect in awake(system.effects, plan) {
                 effect.stiffness_times(motion, d, &mut effects[..effect.scratch()], product);
             }
         });
@@ -552,7 +570,7 @@ impl Dynamics for System<'_> {
     }
 
     fn sparsity_pattern(&self, add: &mut dyn FnMut(u32, u32)) {
-        for effect in awake(self.scene, &self.scratch.plan) {
+        for effect in awake(self.effects, &self.scratch.plan) {
             effect.sparsity_pattern(add);
             if let Some(contact) = effect.contact() {
                 contact.sparsity_pattern(&self.contacts.pattern, add);
@@ -569,7 +587,7 @@ impl Dynamics for System<'_> {
     fn add_stiffness(&mut self, time: f64, x: &[f64], v: &[f64], weights: Weights, matrix: &mut dyn SparseMatrix) {
         self.with_held(time, x, v, |system, x, v| {
             let motion = system.over_step(system.motion(time, x, v));
-            for effect in awake(system.scene, &system.scratch.plan) {
+            for effect in awake(system.effects, &system.scratch.plan) {
                 effect.add_stiffness(motion, weights, matrix);
             }
         });
@@ -600,7 +618,7 @@ impl Dynamics for System<'_> {
 
     fn longest_step(&mut self, x: &[f64], d: &[f64]) -> f64 {
         let apart = self.contacts.longest_step(self.scene, x, d).min(self.longest_step_to_solids(x, d));
-        awake(self.scene, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(apart, f64::min)
+        awake(self.effects, &self.scratch.plan).map(|effect| effect.longest_step(x, d)).fold(apart, f64::min)
     }
 
     fn constrains(&self) -> bool {

@@ -22,7 +22,7 @@ use crate::{
     effects::EffectKind,
     elements::ElementKind,
     integrators::{Class, Integrator as _, IntegratorKind},
-    level::{Level, RunMode, Substeps, Switch, Toggle, When},
+    level::{Level, RunMode, Sleep, Substeps, Switch, When},
     meshes::{Files, NoFiles},
     quantity::SkinModulus,
     scene::{Correspondence, Scene},
@@ -342,9 +342,9 @@ fn runs(level: &Level, scene: &Scene) -> Vec<Run> {
             all.push(Run::new("contact", "twice as stiff", SourceKind::Numerical, stiffer, None));
         }
     }
-    if level.sleep == Toggle::On {
-        together.sleep = Toggle::Off;
-        all.push(Run::new("sleep", "off", SourceKind::Numerical, Level { sleep: Toggle::Off, ..level.clone() }, None));
+    if level.sleep != Sleep::Off {
+        together.sleep = Sleep::Off;
+        all.push(Run::new("sleep", "off", SourceKind::Numerical, Level { sleep: Sleep::Off, ..level.clone() }, None));
     }
     if all.len() > 1 {
         all.push(Run::new("all of these", "together", SourceKind::Together, together, None));

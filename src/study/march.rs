@@ -3,7 +3,7 @@
 //! Processor time is that of a thread, which excludes other programs. It is wall time where the system does not state it.
 
 use super::Setting;
-use crate::{scene::Scene, simulation::Simulation, state::State};
+use crate::{level::Sleep, scene::Scene, simulation::Simulation, state::State};
 #[cfg(not(target_arch = "wasm32"))]
 use std::sync::{Mutex, PoisonError};
 use std::{ops::ControlFlow, time::Duration};
@@ -49,7 +49,8 @@ impl March {
     pub fn new(scene: &Scene, start: &State, setting: &Setting, frames: u32) -> Self {
         // A study measures the setting itself, including its instability. Guard and sleep are therefore off.
         let (integrator, step) = (setting.integrator.clone(), setting.substeps.step());
-        let scene = Scene { integrator, step, guard: false, sleep: false, sub_scenes: Vec::new(), ..scene.clone() };
+        let scene =
+            Scene { integrator, step, guard: false, sleep: Sleep::Off, sub_scenes: Vec::new(), ..scene.clone() };
         // The memory of another integrator is invalid for this one.
         let start = State { memory: Vec::new(), ..start.clone() };
         let simulation = Simulation::new(scene, start);

@@ -5,7 +5,7 @@ use super::{
     march::{Deadline, Stopwatch},
 };
 use crate::{
-    level::{Level, Switch},
+    level::{Level, Sleep, Switch},
     meshes::Files,
     scene::Scene,
     simulation::Simulation,
@@ -62,7 +62,7 @@ impl Savings {
         for listed in everything.effects.iter_mut().filter(|listed| listed.switch.is_on()) {
             listed.switch = Switch::On;
         }
-        let forced = Scene { sleep: false, ..Scene::build(&everything, level.mode, files, Some(&own))? };
+        let forced = Scene { sleep: Sleep::Off, ..Scene::build(&everything, level.mode, files, Some(&own))? };
         let state = own.first_state(level.state.as_ref())?;
         let mut runs = [own, forced].map(|scene| Simulation::new(scene, state.clone()));
         for run in &mut runs {

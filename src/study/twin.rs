@@ -7,7 +7,7 @@ use super::{
     reference::{STILL, finest},
     trial::{Deviation, limit},
 };
-use crate::{effects::Grab, scene::Scene, simulation::Simulation, state::State};
+use crate::{effects::Grab, level::Sleep, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
 /// Fine reference run beside a live simulation. It takes a whole number of shorter steps for each live step.
@@ -254,7 +254,7 @@ fn finer_scene(live: &Scene, per_step: u64) -> Scene {
         integrator: finest(),
         step: live.step / per_step as f64,
         guard: false,
-        sleep: false,
+        sleep: Sleep::Off,
         sub_scenes: Vec::new(),
         ..live.clone()
     }

@@ -11,7 +11,7 @@ use gingerbread::{
     elements::ElementKind,
     files,
     integrators::IntegratorKind,
-    level::{Level, RunMode, Toggle},
+    level::{Level, RunMode, Sleep, Toggle},
     materials::{Material, MaterialParameters, Model, Plane, Visitor},
     meshes::NoFiles,
     quantity::{Poisson, Young},
@@ -63,7 +63,7 @@ pub fn integrator(text: &str) -> IntegratorKind {
 
 /// A simulation with an integrator, without guard and sleep, in steps of a length [s].
 pub fn started(base: &Level, scheme: &str, step: f64) -> Simulation {
-    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Toggle::Off, ..base.clone() };
+    let level = Level { integrator: integrator(scheme), guard: Toggle::Off, sleep: Sleep::Off, ..base.clone() };
     let scene = Scene { step, ..Scene::build(&level, level.mode, &NoFiles, None).unwrap() };
     Simulation::open(scene, &level, level.mode).unwrap()
 }

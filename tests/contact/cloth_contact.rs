@@ -6,7 +6,7 @@ use gingerbread::{
     contact::{Anchor, AnyContact, Candidates, ContactTerm, SurfaceTerm, Touch},
     effects::Motion,
     integrators::IntegratorKind,
-    level::{Level, Substeps},
+    level::{Level, Sleep, Substeps},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -386,7 +386,7 @@ fn friction_passes_over_edges() {
 
 fn stepped(level: &Level, step: f64) -> Simulation {
     let mut simulation = simulation(level);
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }
@@ -452,7 +452,7 @@ fn every_integrator_folds_cloth_without_crossing() {
         for _ in 0..70 {
             simulation.advance((0.01 / step).round() as u64, &mut || true);
             let surfaces = surface_contact(simulation.scene());
-            surfaces.each_pressing(simulation.scene().motion(simulation.state(), None), &mut |_| touches = true);
+            surfaces.each_pressing(simulation.scene().motion(simulation.state(), None), &mut |_, _| touches = true);
             assert!(simulation.fault().is_none(), "{name} {model}: {:?}", simulation.fault());
             assert_eq!(simulation.count_crossings(), Some(0), "{name} {model} at {} s", simulation.state().time);
         }

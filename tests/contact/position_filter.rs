@@ -2,7 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a failing test should panic")]
 
 use crate::common::{level, named, reopened, simulation};
-use gingerbread::{integrators::IntegratorKind, level::Level, scene::Scene, simulation::Simulation};
+use gingerbread::{
+    integrators::IntegratorKind,
+    level::{Level, Sleep},
+    scene::Scene,
+    simulation::Simulation,
+};
 
 /// Two particles without a force between them that fly over a plane, in the plane or in space.
 fn flying(is_in_space: bool, obstacles: &str, effects: &str) -> Level {
@@ -15,7 +20,7 @@ fn flying(is_in_space: bool, obstacles: &str, effects: &str) -> Level {
 
 fn stepped(level: &Level, step: f64) -> Simulation {
     let mut simulation = simulation(level);
-    let scene = Scene { step, sleep: false, guard: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, guard: false, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }

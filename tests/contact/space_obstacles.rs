@@ -5,7 +5,7 @@ use crate::common::{level, named, reopened, simulation};
 use gingerbread::{
     contact::segment_meets_triangle,
     integrators::IntegratorKind,
-    level::{Level, Substeps},
+    level::{Level, Sleep, Substeps},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -33,7 +33,7 @@ fn over(obstacle: &str, kind: IntegratorKind, effects: &str) -> Level {
 
 fn stepped(level: &Level, step: f64) -> Simulation {
     let mut simulation = simulation(level);
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }
@@ -113,7 +113,7 @@ fn friction_on_a_slope_in_space_is_that_of_coulomb() {
             (effect: Walls(obstacles: [HalfSpace(point: (0, -0.0347, 0), normal: (-0.5, 1, 0), eps: 0.01)]))])"
         ));
         let mut simulation = simulation(&Level { integrator: kind, ..level });
-        let scene = Scene { step: 5e-4, sleep: false, ..simulation.scene().clone() };
+        let scene = Scene { step: 5e-4, sleep: Sleep::Off, ..simulation.scene().clone() };
         simulation.replace_scene(scene);
         let middle = |simulation: &Simulation| {
             let x = &simulation.state().x;

@@ -6,7 +6,7 @@ use gingerbread::{
     effects::EffectKind,
     files,
     integrators::IntegratorKind,
-    level::Level,
+    level::{Level, Sleep},
     meshes::{Files, MeshKind, Obj, SurfaceMesh},
     obstacles::Surfaces,
     scene::Scene,
@@ -43,7 +43,7 @@ fn over(obstacle: &str) -> Level {
 fn run(obstacle: &str, kind: &IntegratorKind, steps: u64) -> (Vec<f64>, bool) {
     let level = Level { integrator: kind.clone(), ..over(obstacle) };
     let scene = Scene::build(&level, level.mode, &Memory(BOX.to_owned()), None).unwrap();
-    let mut run = Simulation::open(Scene { step: 1e-3, sleep: false, ..scene }, &level, level.mode).unwrap();
+    let mut run = Simulation::open(Scene { step: 1e-3, sleep: Sleep::Off, ..scene }, &level, level.mode).unwrap();
     let mut touched = false;
     for _ in 0..steps {
         run.advance(1, &mut || true);

@@ -6,7 +6,7 @@ use gingerbread::{
     contact::{FrictionRule, FrictionTable, Surface},
     files,
     integrators::IntegratorKind,
-    level::{Level, Toggle},
+    level::{Level, Sleep, Toggle},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -125,7 +125,7 @@ fn bodies_that_are_apart_pass_through_each_other() {
     for kind in IntegratorKind::all() {
         for speed in [2.0, 60.0] {
             let ends = |effects: &str| {
-                let mut level = Level { integrator: kind.clone(), sleep: Toggle::Off, ..disks(effects) };
+                let mut level = Level { integrator: kind.clone(), sleep: Sleep::Off, ..disks(effects) };
                 let text = files::write(&level).unwrap();
                 let text = text.replace("(2.0, -1.0)", &format!("({speed:?}, -1.0)"));
                 level = files::parse(&text, "test.ron").unwrap();
@@ -161,7 +161,7 @@ fn a_body_named_twice_does_not_touch_itself() {
 #[test]
 fn rules_are_saved_and_names_are_checked() {
     let rules = "(effect: Contact(apart: [(\"net\", \"left\")])), (effect: Friction(coefficient: 0.3, surfaces: [(of: \"right\", on: \"obstacles\", coefficient: 0.7), (of: \"net\", coefficient: 0.1)]))";
-    let level = Level { sleep: Toggle::Off, ..disks(rules) };
+    let level = Level { sleep: Sleep::Off, ..disks(rules) };
     assert_eq!(files::parse(&files::write(&level).unwrap(), "test.ron").unwrap(), level);
     let mut simulation = run(&level, 5);
     let mut saved = reopened(&simulation, &level);

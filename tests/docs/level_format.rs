@@ -51,6 +51,7 @@ const DECLARED: &[(&str, &str, &str)] = &[
     ("enum When", "level.rs", "Modes of an effect"),
     ("enum RunMode", "level.rs", "Run mode"),
     ("enum Toggle", "level.rs", "On and off"),
+    ("enum Sleep", "level.rs", "Sleep"),
     ("enum SubstepMode", "level/steps.rs", "Multirate stepping"),
     ("struct StretchTest", "level.rs", "Test of stretch and compression"),
     ("struct ScriptedAction", "level/script.rs", "Scripted action"),
@@ -91,7 +92,7 @@ macro_rules! specs {
 #[rustfmt::skip]
 const SPECS: &[(&str, &Spec)] = specs![
     PatternSize Young Poisson Density Mass Coordinate Time Period Length Width Height Depth Factor Noise Angle Velocity VelocityX VelocityY Spin Gravity
-    DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance StructuralSpring ShearSpring FlexionSpring RestLength
+    DampingRate DampingTime Spring VerletDamping RelativeTolerance AbsoluteTolerance SleepTolerance StructuralSpring ShearSpring FlexionSpring RestLength
     ParticleMass DragCoefficient Radius Weight Swing Reach FrictionCoefficient RestitutionCoefficient CompressionStrength SkinModulus
     SkinThickness ImpactSpeed Dissipation Thickness Triangles Tolerance Cells Springs Rings Passes Separation StructuralCorrection ShearCorrection FlexionCorrection WindSpeed FaceResistance
     OwnMotion GustShare GustPeriod TurbulenceShare EddySize Circulation CoreRadius Updraft DropRate DropImpulse DropDuration RecoveryRate ForceFactor BendingFactor
@@ -381,7 +382,7 @@ fn integrators(page: &mut String) {
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n## Structure\n");
-    let bodies = "Level RunMode SubstepMode Toggle BodyLevel ElementKind Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
+    let bodies = "Level RunMode SubstepMode Toggle Sleep BodyLevel ElementKind Place MassLevel StartShape Pin Side NetLevel MembraneLevel SpacePlace Finish Pattern Sheen";
     let actions =
         "EffectLevel Switch When StretchTest ScriptedAction Action RecordedEnd Check CheckPlace Note NotePlace";
     for kind in bodies.split(' ').chain(actions.split(' ')) {

@@ -5,7 +5,7 @@ use crate::common::{continues_bit_for_bit, greatest_gap, level, named, simulatio
 use gingerbread::{
     effects::{Effect, Motion},
     integrators::{Class, IntegratorKind},
-    level::Level,
+    level::{Level, Sleep},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -230,7 +230,7 @@ fn a_cantilever_bends_like_a_beam() {
         let clamped = (0..scene.rest.len() / 3).filter(|vertex| scene.rest[3 * vertex] < 1.01 * cell);
         let clamped: Vec<u32> = clamped.map(|vertex| vertex as u32).collect();
         scene.pin(&clamped);
-        (scene.step, scene.sleep, scene.guard) = (0.5, false, false);
+        (scene.step, scene.sleep, scene.guard) = (0.5, Sleep::Off, false);
         let start = scene.start.clone();
         let mut simulation = Simulation::new(scene, start);
         simulation.advance(400, &mut || true);
@@ -262,7 +262,7 @@ fn the_drape_of_a_square_converges_with_the_mesh() {
         .clone();
         let clamped = (0..scene.rest.len() / 3).filter(|vertex| scene.rest[3 * vertex] < 0.51 * cell);
         scene.pin(&clamped.map(|vertex| vertex as u32).collect::<Vec<_>>());
-        (scene.step, scene.sleep, scene.guard) = (2.0, false, false);
+        (scene.step, scene.sleep, scene.guard) = (2.0, Sleep::Off, false);
         let start = scene.start.clone();
         let mut simulation = Simulation::new(scene, start);
         simulation.advance(150, &mut || true);
@@ -281,7 +281,7 @@ fn every_integrator_bends() {
     let level = strip("columns: 4, rows: 2, diagonals: Alternating", 0.3, "(effect: Gravity(down: 2))");
     let end = |kind: &IntegratorKind, step: f64| {
         let mut scene = simulation(&Level { integrator: kind.clone(), ..level.clone() }).scene().clone();
-        (scene.step, scene.sleep) = (step, false);
+        (scene.step, scene.sleep) = (step, Sleep::Off);
         scene.start.x = crumpled(&scene, 1e-4);
         for point in scene.start.x.chunks_mut(3) {
             point[2] += 0.5 * point[0] * point[0];

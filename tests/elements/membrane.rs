@@ -6,6 +6,7 @@ use gingerbread::{
     effects::{Effect as _, EffectParameters as _, Gravity, Motion},
     elements::{BodyMaterial, Elements, Membranes, Triangles},
     integrators::IntegratorKind,
+    level::Sleep,
     materials::{Lame, MaterialParameters, Model, Plane, PlaneStress},
     meshes::Mesh,
     quantity::{self, Poisson, Young},
@@ -122,7 +123,7 @@ fn a_flat_membrane_moves_as_its_body_in_the_plane() {
             )
             .unwrap();
             for scene in [&mut space, &mut plane] {
-                (scene.integrator, scene.step, scene.sleep) = (named(name), 2e-3, false);
+                (scene.integrator, scene.step, scene.sleep) = (named(name), 2e-3, Sleep::Off);
                 scene.pin(&[0, 6]);
             }
             let run = |scene: Scene, dimension: usize| {
@@ -311,7 +312,7 @@ fn every_integrator_moves_a_membrane() {
     for &model in Model::ALL {
         let end = |kind: IntegratorKind, step: f64| {
             let mut scene = scene(&mesh, material(model, 1e4, 0.3, Plane::Stress), 1000.0);
-            (scene.integrator, scene.step, scene.sleep) = (kind, step, false);
+            (scene.integrator, scene.step, scene.sleep) = (kind, step, Sleep::Off);
             scene.pin(&[12, 15]);
             let mut start = moving(&scene);
             start.v.iter_mut().zip(&scene.inverse_mass).for_each(|(v, w)| *v = if *w == 0.0 { 0.0 } else { *v });
@@ -343,7 +344,8 @@ fn the_toronto_cloth_hangs_as_in_its_course() {
         scene.pin(&(380..400).collect::<Vec<_>>());
         let gravity = Gravity { down: quantity::Gravity::new(1800.8).unwrap(), ..Gravity::default() };
         scene.add_effect(gravity.build(&Elements::default()).unwrap().into()).unwrap();
-        (scene.integrator, scene.step, scene.guard, scene.sleep) = (named("LinearlyImplicitEuler"), 1e-3, false, false);
+        (scene.integrator, scene.step, scene.guard, scene.sleep) =
+            (named("LinearlyImplicitEuler"), 1e-3, false, Sleep::Off);
         let start = scene.start.clone();
         let mut simulation = Simulation::new(scene, start);
         simulation.advance(20, &mut || true);

@@ -1,5 +1,6 @@
 //! Promises about scenes: effects, sleep, the guard, pins, nets, space and commands.
 
+mod arrange;
 mod body_force;
 #[path = "../common/mod.rs"]
 mod common;
@@ -21,6 +22,7 @@ mod recording;
 mod refinement;
 mod sandbox;
 mod sleep;
+mod sleeping_regions;
 mod snapshot;
 mod space;
 mod space_levels;

@@ -5,7 +5,7 @@ use crate::common::{continues_bit_for_bit, greatest_gap, level, named, running, 
 use gingerbread::{
     command::Command,
     integrators::{Class, IntegratorKind},
-    level::Level,
+    level::{Level, Sleep},
     meshes::NoFiles,
     sandbox::Sandbox,
     scene::Scene,
@@ -33,7 +33,7 @@ fn held(parts: &str, pins: &str, motions: &str, effects: &str) -> Level {
 
 fn stepped(level: &Level, kind: &IntegratorKind, step: f64) -> Simulation {
     let mut simulation = simulation(&Level { integrator: kind.clone(), ..level.clone() });
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }

@@ -3,7 +3,7 @@
 
 use crate::common::{built_in, level, named, simulation};
 use gingerbread::{
-    level::{Level, SpacePlace, Toggle},
+    level::{Level, Sleep, SpacePlace, Toggle},
     nets::Role,
     scene::Scene,
     simulation::Simulation,
@@ -13,7 +13,7 @@ use gingerbread::{
 /// A run without the guard, in steps of this length.
 fn plain(level: &Level, scheme: &str, step: f64) -> Simulation {
     let mut simulation = simulation(&Level { integrator: named(scheme), guard: Toggle::Off, ..level.clone() });
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }

@@ -4,7 +4,7 @@
 use crate::common::{built_in, continues_bit_for_bit, level, named, simulation};
 use gingerbread::{
     integrators::IntegratorKind,
-    level::Level,
+    level::{Level, Sleep},
     meshes::NoFiles,
     scene::{Scene, SceneError},
     simulation::Simulation,
@@ -12,7 +12,7 @@ use gingerbread::{
 
 fn stepped(level: &Level, step: f64) -> Simulation {
     let mut simulation = simulation(level);
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }

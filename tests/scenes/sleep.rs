@@ -6,7 +6,7 @@ use gingerbread::{
     command::{Command, Mode},
     effects::Grab,
     integrators::IntegratorKind,
-    level::{EffectLevel, Level, Toggle},
+    level::{EffectLevel, Level, Sleep, Toggle},
     meshes::NoFiles,
     quantity::Density,
     sandbox::Sandbox,
@@ -75,7 +75,7 @@ fn a_body_at_rest_sleeps_and_costs_nothing() {
 /// The difference is below a thousandth of the size.
 #[test]
 fn a_sleeping_run_stays_near_an_awake_one() {
-    let (mut sleepy, mut awake) = (simulation(&falling()), simulation(&Level { sleep: Toggle::Off, ..falling() }));
+    let (mut sleepy, mut awake) = (simulation(&falling()), simulation(&Level { sleep: Sleep::Off, ..falling() }));
     let steps = until_asleep(&mut sleepy) + 12_000;
     sleepy.advance(12_000, &mut || true);
     awake.advance(steps, &mut || true);
@@ -93,7 +93,7 @@ fn a_pull_wakes_without_a_jump_and_letting_go_wakes_nobody() {
     assert!(run.is_asleep());
     run.set_grab(Some(Grab { vertex: 15, target: [0.6, 0.5, 0.0] }));
     assert!(!run.is_asleep() && run.state().x == asleep, "positions keep every bit on waking");
-    let mut awake = simulation(&Level { sleep: Toggle::Off, ..falling() });
+    let mut awake = simulation(&Level { sleep: Sleep::Off, ..falling() });
     awake.set_state(run.state().clone());
     awake.set_grab(run.grab());
     for run in [&mut run, &mut awake] {
@@ -263,7 +263,7 @@ fn every_change_of_what_acts_wakes_and_moves_nothing() {
         Command::SetSubsteps(gingerbread::level::Substeps::new(40).unwrap()),
         Command::TogglePin(3),
         Command::SetGuard(Toggle::Off),
-        Command::SetSleep(Toggle::Off),
+        Command::SetSleep(Sleep::Off),
         Command::SetSubstepMode(gingerbread::level::SubstepMode::Own),
         Command::Grab(3, [0.5, 0.5, 0.0]),
     ];

@@ -10,6 +10,7 @@ use gingerbread::{
     effects::{Drag, EffectKind, EffectParameters as _, Gravity},
     elements::{Elements, Springs},
     integrators::{IntegratorKind, Workspace},
+    level::Sleep,
     nets::{Link, Role},
     quantity::{self, DragCoefficient},
     scene::Scene,
@@ -121,7 +122,7 @@ fn both_linear_solvers_solve_steps_in_space() {
 fn stability_limit_holds_in_space() {
     let mut scene = block();
     scene.pin(&[0]);
-    (scene.guard, scene.sleep) = (false, false);
+    (scene.guard, scene.sleep) = (false, Sleep::Off);
     let count = scene.rest.len();
     let column = |number: usize| {
         let mut d = vec![0.0; count];

@@ -6,7 +6,7 @@ use gingerbread::{
     effects::Grab,
     files,
     integrators::{Class, IntegratorKind},
-    level::Level,
+    level::{Level, Sleep},
     meshes::NoFiles,
     scene::{Scene, SceneError},
     simulation::Simulation,
@@ -33,7 +33,7 @@ const LATTICE: &str = "nets: [(name: \"block\", net: Lattice(width: 0.4, height:
 
 fn pulled(level: &Level, kind: IntegratorKind, step: f64) -> Simulation {
     let mut simulation = simulation(&Level { integrator: kind, ..level.clone() });
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation.set_grab(Some(Grab { vertex: 0, target: [0.2, -0.1, 0.4] }));
     simulation
@@ -94,7 +94,7 @@ fn damping_of_a_flat_membrane_is_that_of_the_plane() {
             let run = |parts: &str| {
                 let level = Level { integrator: named(scheme), ..hanging(parts, "") };
                 let mut simulation = simulation(&level);
-                let scene = Scene { step: 1e-3, sleep: false, ..simulation.scene().clone() };
+                let scene = Scene { step: 1e-3, sleep: Sleep::Off, ..simulation.scene().clone() };
                 simulation.replace_scene(scene);
                 simulation.advance(100, &mut || true);
                 simulation.state().x.clone()

@@ -5,7 +5,7 @@ use crate::common::{continues_bit_for_bit, greatest_gap, level, named, simulatio
 use gingerbread::{
     effects::{Effect, Motion},
     integrators::{Class, IntegratorKind},
-    level::Level,
+    level::{Level, Sleep},
     meshes::NoFiles,
     scene::Scene,
     simulation::Simulation,
@@ -25,7 +25,7 @@ fn blown(parts: &str, pins: &str, wind: &str) -> Level {
 
 fn stepped(level: &Level, kind: IntegratorKind, step: f64) -> Simulation {
     let mut simulation = simulation(&Level { integrator: kind, ..level.clone() });
-    let scene = Scene { step, sleep: false, ..simulation.scene().clone() };
+    let scene = Scene { step, sleep: Sleep::Off, ..simulation.scene().clone() };
     simulation.replace_scene(scene);
     simulation
 }

@@ -4,7 +4,7 @@
 use crate::common::{built_in, named, simulation};
 use gingerbread::{
     integrators::{Class, IntegratorKind, RungeKutta4},
-    level::{Level, Substeps, Toggle},
+    level::{Level, Sleep, Substeps, Toggle},
     meshes::NoFiles,
     study::{Dial, DialPlan, NoErrors, Reached, Setting, Trial},
 };
@@ -18,7 +18,7 @@ fn dial(level: &Level, seconds: f64, plan: DialPlan) -> Dial {
 
 fn frames(level: &Level, setting: &Setting, count: usize) -> Vec<Vec<f64>> {
     let Setting { integrator, substeps } = setting.clone();
-    let mut run = simulation(&Level { integrator, substeps, guard: Toggle::Off, sleep: Toggle::Off, ..level.clone() });
+    let mut run = simulation(&Level { integrator, substeps, guard: Toggle::Off, sleep: Sleep::Off, ..level.clone() });
     let frame = |_| {
         run.advance(u64::from(substeps.get()), &mut || true);
         run.state().x.clone()

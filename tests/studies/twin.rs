@@ -6,7 +6,7 @@ use crate::common::{
     studies::{RESTING, WHOLE},
 };
 use gingerbread::{
-    level::{Level, Substeps, Toggle},
+    level::{Level, Sleep, Substeps},
     meshes::NoFiles,
     simulation::Simulation,
     study::Twin,
@@ -40,7 +40,7 @@ fn the_twin_measures_an_error_of_first_order() {
 
 #[test]
 fn where_nothing_moves_there_is_no_error_now() {
-    let mut live = simulation(&Level { sleep: Toggle::Off, ..level(RESTING) });
+    let mut live = simulation(&Level { sleep: Sleep::Off, ..level(RESTING) });
     let mut twin = Twin::new(&live);
     frames(&mut live, &mut twin, 40);
     assert!(twin.error().is_none() && twin.age() > 0.5 && !twin.is_checking());

@@ -314,3 +314,61 @@ fn notes_change_nothing_else() {
     assert_eq!(window.state().snapshot().level.notes.len(), 1);
     assert_eq!(simulation(&window), before);
 }
+
+/// Bodies are moved, scaled and turned by hand; each is one change to undo, and pinned vertices stay pinned.
+#[test]
+fn bodies_are_moved_scaled_and_turned_by_handles() {
+    let mut window = open("gingerbread");
+    let head = on_screen(&window, vertex(&window, 0));
+    click_at(&mut window, head);
+    let pinned = window.state().snapshot().pins.clone();
+    assert_eq!(*pinned, [0]);
+    click(&mut window, "Tool");
+    click(&mut window, "Arrange bodies");
+    let place = |window: &Window| window.state().snapshot().level.bodies[0].place;
+    let frame = |window: &Window| {
+        let points =
+            (0..window.state().snapshot().vertex_count()).map(|number| on_screen(window, vertex(window, number)));
+        eframe::egui::Rect::from_points(&points.collect::<Vec<_>>())
+    };
+    let (before, first) = (frame(&window), place(&window));
+    let chest = before.center();
+    drag(&mut window, &[chest, chest + vec2(10.0, 5.0), chest + vec2(40.0, 20.0)], Modifiers::NONE);
+    let moved = frame(&window).center() - chest;
+    assert!((moved - vec2(40.0, 20.0)).length() < 1.5, "{moved:?}");
+    // It stays chosen, with its handles. A corner half as far from the centre halves it.
+    let now = frame(&window);
+    let corner = now.right_bottom();
+    let half = now.center() + (corner - now.center()) * 0.5;
+    drag(&mut window, &[corner, corner + (half - corner) * 0.5, half], Modifiers::NONE);
+    assert!((place(&window).scale.get() - 0.5).abs() < 0.02, "{:?}", place(&window));
+    assert!((frame(&window).center() - now.center()).length() < 2.0, "about its centre");
+    // A quarter turn, in steps of 15 degrees with Shift.
+    let now = frame(&window);
+    let handle = pos2(now.center().x, now.top() - 26.0);
+    let aside = now.center() + vec2(now.center().y - handle.y, 6.0);
+    drag(&mut window, &[handle, handle + vec2(30.0, 10.0), aside], Modifiers::SHIFT);
+    assert!((place(&window).turn.get() + 90.0).abs() < 1e-9, "{:?}", place(&window));
+    let turned = frame(&window);
+    assert!((turned.center() - now.center()).length() < 3.0 && turned.width() > turned.height(), "{turned:?} {now:?}");
+    assert_eq!(*window.state().snapshot().pins, [0], "the same vertex is pinned");
+    for _ in 0..3 {
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(place(&window), first, "three changes");
+    assert_eq!(*window.state().snapshot().pins, *pinned);
+    // A click beside it takes the handles away, and then a drag beside it does nothing.
+    click_at(&mut window, pos2(before.left() - 40.0, before.center().y));
+    let corner = frame(&window).right_bottom();
+    drag(&mut window, &[corner, corner + vec2(30.0, 30.0)], Modifiers::NONE);
+    assert_eq!(place(&window), first);
+    press(&mut window, Key::Escape);
+    // Exact numbers, and a copy.
+    widget(&window, Role::Button, "Copy this body").scroll_to_me();
+    window.run_steps(30);
+    click(&mut window, "Copy this body");
+    let bodies = &window.state().snapshot().level.bodies;
+    assert_eq!(bodies.len(), 2);
+    assert!(bodies[1].place.offset.get()[0] > 0.5 && bodies[1].name != bodies[0].name);
+    assert_eq!(window.state().snapshot().pins.len(), 2, "the copy is pinned like it");
+}

@@ -339,7 +339,8 @@ fn tools(ui: &mut Ui, Seen { snapshot, tool, .. }: Seen<'_>) -> Option<Tool> {
     }
     let mut chosen = None;
     let (button, _) = MenuButton::from_button(Button::new(tool.name()).small()).ui(ui, |ui| {
-        for other in Tool::CHOICES {
+        let can_arrange = snapshot.dimension == 2 && snapshot.level.test.is_none();
+        for other in Tool::CHOICES.into_iter().filter(|other| *other != Tool::Arrange || can_arrange) {
             if ui.selectable_label(other == tool, other.name()).on_hover_text(other.about()).clicked() {
                 chosen = Some(other);
             }

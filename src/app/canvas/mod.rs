@@ -1,5 +1,6 @@
 //! The stage: draws a snapshot and translates pointer input to commands. It does not know the simulation.
 
+mod arranging;
 mod drag;
 mod drawing;
 mod drawn_path;
@@ -42,6 +43,7 @@ use crate::{
     impulse::Impulse,
     snapshot::{Field, Pull, Snapshot},
 };
+use arranging::Arranging;
 use drawing::Drawing;
 use drawn_path::DrawnPath;
 use eframe::egui::{
@@ -112,6 +114,7 @@ pub struct Canvas {
     enclosure: Enclosure,
     drawn_path: DrawnPath,
     refining: Refining,
+    arranging: Arranging,
     ruler: Ruler,
     /// Where the drag of a push began.
     push_from: Option<Pos2>,
@@ -176,11 +179,17 @@ impl Canvas {
         self.ruler.follow(&response, sight, (snapshot, points), tool == Tool::Ruler);
         let around = around(ui, snapshot, tool);
         commands.extend(self.enclosure.follow(&response, around, (snapshot, points)));
-        let under = self.pointed_triangle(&response, &frame).filter(|_| tool == Tool::Refine);
+        let under = self.pointed_triangle(&response, &frame).filter(|_| matches!(tool, Tool::Refine | Tool::Arrange));
         commands.extend(self.refining.follow(&response, tool == Tool::Refine, snapshot, under));
+        let arranges = tool == Tool::Arrange && space.is_none() && snapshot.level.test.is_none();
+        if let Some(change) = self.arranging.follow(&response, arranges, (snapshot, &camera), under) {
+            commands.extend([change, Command::EndGesture]);
+        }
         commands.extend(self.note(&response, &frame).filter(|_| tool == Tool::Note));
         commands.extend(self.drawn_path.follow(&response, tool == Tool::DrawnPath, snapshot, (sight, points)));
-        if self.enclosure.is_open() || self.refining.is_open() || self.drawn_path.is_open() {
+        let opens =
+            [self.enclosure.is_open(), self.refining.is_open(), self.drawn_path.is_open(), self.arranging.is_open()];
+        if opens.contains(&true) {
             self.pointer_state.spend();
         }
         if tool == Tool::Hand {
@@ -412,7 +421,7 @@ impl Canvas {
             response.ctx.request_repaint();
         }
         if !selects {
-            response.ctx.set_cursor_icon(CursorIcon::Crosshair);
+            response.ctx.set_cursor_icon(self.arranging.cursor().unwrap_or(CursorIcon::Crosshair));
         } else if wanted.is_some() {
             let pulling = self.pointer_state.is_pulling();
             let free = if snapshot.mode == Mode::Edit { CursorIcon::PointingHand } else { CursorIcon::Grab };
@@ -471,6 +480,7 @@ impl Canvas {
         self.drawing.draw(&mut self.front, view, pointer);
         self.enclosure.draw(&mut self.front, view);
         self.refining.draw(&mut self.front, view, snapshot, points);
+        self.arranging.draw(&mut self.front, view, snapshot);
         let sight = sight(frame, &self.surfaces);
         self.ruler.draw(&mut self.front, view, sight, points);
         self.drawn_path.draw(&mut self.front, view, sight);

@@ -26,17 +26,20 @@ pub enum Tool {
     Note,
     /// A drag prescribes the path of a vertex.
     DrawnPath,
+    /// A click chooses a body; drags of it and of its handles move, turn and scale it.
+    Arrange,
 }
 
 impl Tool {
     /// The tools in the menu on the stage.
-    pub const CHOICES: [Self; 10] = [
+    pub const CHOICES: [Self; 11] = [
         Self::Hand,
         Self::Push,
         Self::Burst,
         Self::Probe,
         Self::Ruler,
         Self::Note,
+        Self::Arrange,
         Self::PinBox,
         Self::PinLine,
         Self::DrawnPath,
@@ -57,6 +60,7 @@ impl Tool {
             Self::Refine => "Refine",
             Self::Note => "Note",
             Self::DrawnPath => "Move along a path",
+            Self::Arrange => "Arrange bodies",
         }
     }
 
@@ -78,6 +82,9 @@ impl Tool {
             Self::Refine => "Divides triangles into smaller ones; the scene goes on as it is.",
             Self::DrawnPath => {
                 "Drag a vertex: from now on it is held, and follows the path of the drag at the same speed. If it is pinned, all pins of its body move with it."
+            }
+            Self::Arrange => {
+                "Moves, turns and scales bodies by handles. The scene starts over. Pinned vertices stay pinned, and move with their body."
             }
             Self::Note => {
                 "The next click places a note, which is saved with the level. A note on a vertex moves with it."
@@ -105,6 +112,9 @@ impl Tool {
             ),
             Self::DrawnPath => Some(
                 "Drag a vertex: from now on it follows that path at the same speed. If it is pinned, all pins of its body move with it. Esc ends.",
+            ),
+            Self::Arrange => Some(
+                "Click a body, then drag it, a corner to scale it, or the handle above to turn it (Shift: in steps of 15°). Esc ends.",
             ),
             Self::Note => Some(
                 "Click where the note should be. A note on a vertex moves with it. Its text is in the right panel. Esc ends.",

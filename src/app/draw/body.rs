@@ -111,9 +111,11 @@ impl Bodies {
                     continue;
                 }
             }
-            match values {
-                Some(values) => buffer.facets(points, body.mesh.triangles(), scale.colors(values)),
-                None => buffer.sheet(points, body.mesh.triangles(), view.theme.dough),
+            if let Some(values) = values {
+                buffer.facets(points, body.mesh.triangles(), scale.colors(values));
+            } else {
+                buffer.sheet(points, body.mesh.triangles(), view.theme.dough);
+                asleep(buffer, view, snapshot, body, points);
             }
             constant_part.rim(buffer, view, points, &mut self.line, values.is_none());
             if options.wireframe {
@@ -138,6 +140,14 @@ impl Bodies {
             }
         }
     }
+}
+
+/// Darkens the triangles of a body that are not computed because their regions sleep.
+fn asleep(buffer: &mut ShapeBuffer, view: View, snapshot: &Snapshot, body: &BodySnapshot, points: &[Pos2]) {
+    let Some(still) = snapshot.still.get(body.vertices.clone()) else { return };
+    let rests = |corners: &&[u32; 3]| corners.iter().all(|corner| still[*corner as usize]);
+    let resting: Vec<_> = body.mesh.triangles().iter().filter(rests).copied().collect();
+    buffer.sheet(points, &resting, view.theme.crust.gamma_multiply(0.35));
 }
 
 impl ConstantPart {

@@ -10,11 +10,11 @@ use crate::{
     app::{canvas::Tool, files::stem, numbers},
     command::{Command, Pose},
     elements::ElementKind,
-    level::{MassLevel, MembraneLevel, NetLevel, Pin},
+    level::{MassLevel, MembraneLevel, NetLevel, Pin, Place},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     outlines::{Shape, to_svg},
-    quantity::{Cells, Density, Mass, OutOfRange, Quantity, Rings, Tolerance, Triangles},
+    quantity::{Cells, Density, Mass, OutOfRange, Point, Quantity, Rings, Tolerance, Triangles},
     snapshot::Snapshot,
 };
 use eframe::egui::{ComboBox, RichText, Ui};
@@ -52,8 +52,18 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             element(ui, number, body.element, commands);
             pins(ui, view.body, &body.pins, view, commands);
             refinement(ui, now, &body.mesh, Some(number), commands);
-            if others && level.test.is_none() && ui.button("Remove this body").clicked() {
-                commands.push(Command::RemoveBody(number));
+            if level.test.is_none() {
+                place(ui, number, body.place, view, commands);
+                ui.horizontal_wrapped(|ui| {
+                    let help = "Adds a copy to the right of all bodies, with the same pins.";
+                    if ui.button("Copy this body").on_hover_text(help).clicked() {
+                        commands.push(Command::CopyBody(number));
+                        view.body = level.bodies.len();
+                    }
+                    if others && ui.button("Remove this body").clicked() {
+                        commands.push(Command::RemoveBody(number));
+                    }
+                });
             }
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
@@ -268,6 +278,22 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
         sum.refused = outcome.refused.or(sum.refused.take());
     }
     apply_response(sum, Some(Command::SetMesh(view.body, mesh)), view, commands);
+}
+
+/// Draws where a body is, how far it is turned and how large it is.
+fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands: &mut Vec<Command>) {
+    ui.collapsing("Place", |ui| {
+        let Place { scale, turn, offset: Point(x, y) } = &mut place;
+        let numbers: [(&str, &mut dyn Quantity); 4] =
+            [("place x", x), ("place y", y), ("turn", turn), ("scale", scale)];
+        let mut sum = widgets::SliderResponse::default();
+        for (name, quantity) in numbers {
+            sum.add(widgets::named_quantity(ui, name, quantity));
+        }
+        apply_response(sum, Some(Command::SetPlace(number, place)), view, commands);
+    })
+    .header_response
+    .on_hover_text("Where the origin of its mesh is at the start, and how the body is turned and scaled about that. The tool Arrange bodies does the same by hand.");
 }
 
 /// The mesh before all refinements, whose numbers can be changed.

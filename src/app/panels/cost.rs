@@ -317,9 +317,8 @@ fn size(ui: &mut Ui, now: &Snapshot) {
     }
     if !now.triangles.is_empty() {
         row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
-        if now.asleep > 0 {
-            let help =
-                "Triangles of bodies that are awake. The times above are for these: what sleeps is not computed.";
+        if now.asleep > 0 || now.regions[0] > 0 {
+            let help = "Triangles of bodies, and of regions of bodies, that are awake. The times above are for these: what sleeps is not computed.";
             row(ui, "Computed", &count(now.computed), help);
         }
         row(ui, "Inverted", &count(now.inverted), "Triangles that are inside out: J = det F ≤ 0");

@@ -5,7 +5,8 @@ use crate::{
     app::{jobs::JobRequest, numbers, theme::Theme},
     command::Command,
     integrators::{Class, IntegratorKind, Scheme},
-    level::Toggle,
+    level::{Sleep, Toggle},
+    snapshot::Snapshot,
 };
 use eframe::egui::{Color32, ComboBox, Rect, RichText, Sense, Ui, vec2};
 
@@ -24,6 +25,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
             guard(ui, context, commands);
             sleep(ui, context, commands);
         });
+        sleep_tolerance(ui, context, view, commands);
     }
     error_now(ui, context, view);
 }
@@ -123,16 +125,40 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let now = context.now;
     let help = "Bodies and nets that have been at rest for half a second are not computed until something acts on them: a pull, or a \
                 changed effect or number. While all of them sleep, nothing is redrawn.";
-    let mut on = now.level.sleep == Toggle::On;
+    let mut on = now.level.sleep != Sleep::Off;
     if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
-        commands.extend([Command::SetSleep(on.into()), Command::EndGesture]);
+        commands.extend([Command::SetSleep(if on { Sleep::On } else { Sleep::Off }), Command::EndGesture]);
     }
-    let words = match (now.asleep, now.part_count()) {
-        (0, _) => return,
-        (asleep, all) if asleep == all => "everything sleeps".to_owned(),
-        (asleep, all) => format!("{asleep} of {all} sleep"),
+    if on && now.level.bodies.iter().any(|body| !body.element.has_six_nodes()) {
+        sleep_of_regions(ui, now, commands);
+    }
+    let words = match (now.asleep, now.part_count(), now.regions) {
+        (0, _, [0, _]) => return,
+        (0, _, [asleep, all]) => format!("{asleep} of {all} regions sleep"),
+        (asleep, all, _) if asleep == all => "everything sleeps".to_owned(),
+        (asleep, all, [0, _]) => format!("{asleep} of {all} sleep"),
+        (asleep, all, [regions, _]) => format!("{asleep} of {all} sleep, and {regions} regions"),
     };
     ui.label(RichText::new(words).small()).on_hover_text(help);
+}
+
+/// Draws the switch of sleep of regions.
+fn sleep_of_regions(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
+    let help = "Regions of a body that pins hold sleep too while the rest of it moves. A region wakes when something beside it has moved by more than \
+                the tolerance, a share of the size of the region. What sleeps is off by about this share of the size of the body.";
+    let mut on = matches!(now.level.sleep, Sleep::Regions(_));
+    if ui.checkbox(&mut on, "Regions of bodies").on_hover_text(help).changed() {
+        let sleep = if on { Sleep::Regions(Sleep::TOLERANCE) } else { Sleep::On };
+        commands.extend([Command::SetSleep(sleep), Command::EndGesture]);
+    }
+}
+
+/// Draws the tolerance of sleeping regions.
+fn sleep_tolerance(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: &mut Vec<Command>) {
+    if let Sleep::Regions(mut tolerance) = context.now.level.sleep {
+        let response = widgets::quantity(ui, &mut tolerance);
+        apply_response(response, Some(Command::SetSleep(Sleep::Regions(tolerance))), view, commands);
+    }
 }
 
 /// Sentence about the step and its limit; `own` is true if the step is that of the stiffest body alone.

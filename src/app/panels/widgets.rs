@@ -46,15 +46,15 @@ impl SliderResponse {
 
 /// Draws a slider for any quantity; a value outside its range is refused.
 pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
+    named_quantity(ui, quantity.spec().name, quantity)
+}
+
+/// The same under another name.
+pub fn named_quantity(ui: &mut Ui, name: &str, quantity: &mut dyn Quantity) -> SliderResponse {
     let spec = quantity.spec();
     let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
-    let options = SliderOptions {
-        name: spec.name,
-        unit: spec.unit,
-        range: spec.slider,
-        logarithmic: spec.logarithmic,
-        help: &help,
-    };
+    let options =
+        SliderOptions { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
     let value = quantity.get();
     number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }

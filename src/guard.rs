@@ -32,8 +32,8 @@ use crate::{
 ///
 /// Slow growth adds up. Energy from nowhere is the rise of M + P, less what was supplied since, above its least value at
 /// a check; so dissipated energy does not hide it. It may be no more than [`Self::EXCESS`] times the greatest energy
-/// that was available since the last change from outside, or the energy that counts as round-off if that is greater. A step beyond that counts as
-/// unstable however little it adds.
+/// that was available since the last change from outside, and the energy that counts as round-off. A step beyond that counts as unstable however little
+/// it adds.
 ///
 /// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
 /// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before
@@ -219,7 +219,7 @@ impl Guard {
     pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
         let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
         self.reference = self.reference.max(put_in - energies.external());
-        let keeps = total - self.least <= Self::EXCESS * self.reference.max(negligible(scene));
+        let keeps = total - self.least <= Self::EXCESS * self.reference + negligible(scene);
         self.least = self.least.min(total);
         keeps
     }

@@ -11,7 +11,8 @@ const REMEMBERED: usize = 64;
 /// With the mechanical energy M (with that of contact), the potential P and the work W done from outside (mouse, moved pins, moving obstacles,
 /// reversed gravity), `A = M + P - W` never increases: gravity and springs convert energy, damping and contact dissipate
 /// it. Energy from nowhere is the rise of A above its least value so far, so that energy which was dissipated cannot hide
-/// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`.
+/// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`, and the energy that counts as round-off,
+/// which the [`Guard`](crate::guard::Guard) allows as well.
 #[derive(Clone, Debug)]
 pub struct Account {
     /// M + P at the start \[J\].
@@ -22,6 +23,8 @@ pub struct Account {
     least: f64,
     /// Numbers of the last steps that were recorded, and the least A before each \[J\].
     recent: VecDeque<(u64, f64)>,
+    /// Energy that counts as round-off \[J\].
+    negligible: f64,
     /// Energy put in \[J\].
     put_in: f64,
     gain: f64,
@@ -30,9 +33,9 @@ pub struct Account {
 impl Account {
     /// Opens the account of a scene with its energies.
     pub fn new(scene: &Scene, energies: Energies) -> Self {
-        let start = energies.total();
-        let mut account =
-            Self { start, work: 0.0, least: start, recent: VecDeque::new(), put_in: negligible(scene), gain: 0.0 };
+        let (start, negligible) = (energies.total(), negligible(scene));
+        let recent = VecDeque::new();
+        let mut account = Self { start, work: 0.0, least: start, recent, negligible, put_in: negligible, gain: 0.0 };
         account.record(energies);
         account
     }
@@ -69,7 +72,7 @@ impl Account {
         let balance = energies.total() - self.work;
         let rise = balance - self.least;
         // Where nothing rises, there may be no energy put in.
-        let gain = if rise <= 0.0 { 0.0 } else { rise / self.put_in };
+        let gain = if rise <= 0.0 { 0.0 } else { rise / (self.put_in + self.negligible) };
         // NaN counts as an infinite gain.
         self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
         self.least = self.least.min(balance);

@@ -1,6 +1,11 @@
 //! Energy account of a run.
 
-use crate::{guard::negligible, report::Energies, scene::Scene, simulation::Simulation};
+use crate::{
+    guard::{Guard, negligible},
+    report::Energies,
+    scene::Scene,
+    simulation::Simulation,
+};
 use std::collections::VecDeque;
 
 /// Records that are remembered: more than the steps that a guard takes back at once.
@@ -11,8 +16,9 @@ const REMEMBERED: usize = 64;
 /// With the mechanical energy M (with that of contact), the potential P and the work W done from outside (mouse, moved pins, moving obstacles,
 /// reversed gravity), `A = M + P - W` never increases: gravity and springs convert energy, damping and contact dissipate
 /// it. Energy from nowhere is the rise of A above its least value so far, so that energy which was dissipated cannot hide
-/// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`, and the energy that counts as round-off,
-/// which the [`Guard`](crate::guard::Guard) allows as well.
+/// it. It is stated as a share of the energy put in, the greatest M that start and work allow: `M0 + P0 + W - P`. With e, the energy that counts as
+/// round-off, and [`Guard::EXCESS`] x, it is the rise over that plus e/x, and at least e: what the guard allows, x times the energy put in and e, is a
+/// share of x then.
 #[derive(Clone, Debug)]
 pub struct Account {
     /// M + P at the start \[J\].
@@ -25,7 +31,7 @@ pub struct Account {
     recent: VecDeque<(u64, f64)>,
     /// Energy that counts as round-off \[J\].
     negligible: f64,
-    /// Energy put in \[J\].
+    /// Energy put in \[J\]; zero if none was.
     put_in: f64,
     gain: f64,
 }
@@ -35,7 +41,7 @@ impl Account {
     pub fn new(scene: &Scene, energies: Energies) -> Self {
         let (start, negligible) = (energies.total(), negligible(scene));
         let recent = VecDeque::new();
-        let mut account = Self { start, work: 0.0, least: start, recent, negligible, put_in: negligible, gain: 0.0 };
+        let mut account = Self { start, work: 0.0, least: start, recent, negligible, put_in: 0.0, gain: 0.0 };
         account.record(energies);
         account
     }
@@ -72,7 +78,8 @@ impl Account {
         let balance = energies.total() - self.work;
         let rise = balance - self.least;
         // Where nothing rises, there may be no energy put in.
-        let gain = if rise <= 0.0 { 0.0 } else { rise / (self.put_in + self.negligible) };
+        let gain =
+            if rise <= 0.0 { 0.0 } else { rise / (self.put_in + self.negligible / Guard::EXCESS).max(self.negligible) };
         // NaN counts as an infinite gain.
         self.gain = if gain.is_nan() { f64::INFINITY } else { self.gain.max(gain) };
         self.least = self.least.min(balance);
@@ -85,6 +92,6 @@ impl Account {
 
     /// Energy put in \[J\].
     pub const fn put_in(&self) -> f64 {
-        self.put_in
+        self.put_in.max(self.negligible)
     }
 }

@@ -418,11 +418,14 @@ fn a_force_is_typed_as_a_formula() {
         other => unreachable!("{other:?}"),
     };
     let before = formula(&window);
-    {
-        let mut fields = window.get_all_by_role(Role::MultilineTextInput);
-        fields.find(|field| field.value().as_deref() == Some(before.as_str())).unwrap().click();
+    for is_seen in [false, true] {
+        {
+            let mut fields = window.get_all_by_role(Role::MultilineTextInput);
+            let field = fields.find(|field| field.value().as_deref() == Some(before.as_str())).unwrap();
+            if is_seen { field.click() } else { field.scroll_to_me() }
+        }
+        window.run_steps(30);
     }
-    window.run();
     press_with(&mut window, Modifiers::COMMAND, Key::A);
     window.event(Event::Text("3*sin(t".to_owned()));
     window.run();

@@ -97,6 +97,8 @@ fn an_effect_is_asked_in_every_step_once_auto_is_switched_off() {
     assert_eq!(spring(&window).calls, 0);
     let at = window.state().snapshot().level.effects.iter().filter(|listed| listed.switch.is_on());
     let place = at.take_while(|listed| listed.effect.name() != "MouseSpring").count();
+    window.get_all_by_label("Auto").nth(place).unwrap().scroll_to_me();
+    window.run_steps(30);
     window.get_all_by_label("Auto").nth(place).unwrap().click();
     window.run_steps(5);
     assert!(spring(&window).calls > 0 && !spring(&window).auto);

@@ -58,8 +58,10 @@ pub struct TruncatedStep<'a> {
     pub v: &'a mut [f64],
     /// Vertices that were moved.
     pub moved: &'a mut Vec<usize>,
-    /// Scratch.
+    /// Scratch: what may meet an obstacle.
     pub found: &'a mut Vec<Candidate>,
+    /// Scratch: positions before a round \[m\].
+    pub before: &'a mut Vec<f64>,
     /// Work of moving obstacles by impulses \[J\].
     pub supplied: f64,
     /// Whether a moving obstacle moved a vertex, which may do more work.
@@ -146,8 +148,10 @@ where
 {
     /// Truncates a step; returns the number of vertices and edges that met an obstacle.
     pub(super) fn truncated(&self, step: &mut TruncatedStep<'_>) -> usize {
-        let (mut all, mut found) = (0, std::mem::take(step.found));
+        let (mut all, mut found, mut before) = (0, std::mem::take(step.found), std::mem::take(step.before));
         for round in 0..ROUNDS + self.rounds_between() {
+            before.clear();
+            before.extend_from_slice(step.x);
             let (mut count, bounds) = (0, self.bounds(&step.path()));
             for number in 0..self.obstacles.len() {
                 let Some((motion, is_short)) = self.is_near(&step.path(), number, bounds) else { continue };
@@ -165,11 +169,12 @@ where
                 }
             }
             all += count;
-            if count == 0 {
+            // What meets where it was put back, as between two obstacles, does so in every further round.
+            if count == 0 || round >= ROUNDS && *before == *step.x {
                 break;
             }
         }
-        *step.found = found;
+        (*step.found, *step.before) = (found, before);
         all
     }
 

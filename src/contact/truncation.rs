@@ -34,6 +34,8 @@ pub struct Truncation {
     meeting: Vec<Pair>,
     /// What may meet an obstacle.
     pub found: Vec<Candidate>,
+    /// Positions before a round of truncation at obstacles \[m\].
+    pub before: Vec<f64>,
     /// All vertices that truncation moved in this step.
     pub moved: Vec<usize>,
     /// Fraction of its displacement that each vertex of the scene keeps.

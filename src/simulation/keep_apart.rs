@@ -5,7 +5,7 @@ use super::{
     system::{Scratch, System},
 };
 use crate::{
-    contact::{FilteredStep, Means, ObstacleTerm, Path, TruncatedStep},
+    contact::{FilteredStep, Means, ObstacleTerm, Path, TruncatedStep, Truncation},
     effects::{Motion, NO_OBSTACLE_NEAR},
 };
 
@@ -63,7 +63,7 @@ impl System<'_> {
         let (mut met, mut supplied, mut is_pushed) = (0, 0.0, false);
         for number in &scratch.plan.obstacles {
             let Some(contact) = scene.effects[*number].obstacle_contact() else { continue };
-            let (moved, found) = (&mut truncation.moved, &mut truncation.found);
+            let Truncation { moved, found, before, .. } = &mut *truncation;
             let mut step = TruncatedStep {
                 time: *time,
                 start,
@@ -73,6 +73,7 @@ impl System<'_> {
                 v: &mut *v,
                 moved,
                 found,
+                before,
                 supplied: 0.0,
                 is_pushed: false,
             };

@@ -2,7 +2,7 @@
 
 use super::{
     PanelContext, Side, View,
-    energy::{WINDOW, marks, nice_range},
+    energy::{WINDOW, marks, nice_range, time_text},
     fixed, heading_here,
     plotting::{self, Figure},
     row,
@@ -186,7 +186,7 @@ fn plot(ui: &mut Ui, record: &Record, curve: &Curve<'_>) {
             marks
         })
         .y_grid_spacer(|input| plotting::heights(input.bounds, 0.62))
-        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .x_axis_formatter(|mark, _| time_text(mark))
         .y_axis_formatter(move |mark, _| format(mark.value))
         .show(ui, |plot| {
             plot.set_plot_bounds_x(begin..=begin + 1.03 * span);

@@ -20,8 +20,9 @@ use std::collections::VecDeque;
 /// Length of the history [s of simulated time].
 pub const WINDOW: f64 = 10.0;
 
-/// Minimum time between two samples \[s\].
-const APART: f64 = 1.0 / 120.0;
+/// Most samples, one for each frame, and how many of the last ones are plotted: in slow motion they span a short time.
+const MOST: usize = 2400;
+const PLOTTED: usize = 600;
 
 /// Energies of the last seconds.
 #[derive(Default)]
@@ -38,15 +39,23 @@ impl History {
             self.samples.clear();
             self.generation = now.generation;
         }
-        let kept = self.samples.len();
-        // The newest sample is replaced until it is far enough from the one before.
-        if kept >= 2 && now.time - self.samples[kept - 2].0 < APART || kept == 1 && now.time == self.samples[0].0 {
+        if self.samples.back().is_some_and(|(time, _)| now.time == *time) {
             self.samples.pop_back();
         }
         self.samples.push_back((now.time, now.energies));
-        while self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
+        while self.samples.len() > MOST || self.samples.front().is_some_and(|(time, _)| now.time - time > WINDOW) {
             self.samples.pop_front();
         }
+    }
+
+    /// Time from which on it is plotted \[s\], and the length of the time axis \[s\].
+    fn axis(&self) -> (f64, f64) {
+        /// Frames in the length of a new plot.
+        const FRAMES: f64 = 60.0;
+        let end = self.samples.back().map_or(0.0, |(time, _)| *time);
+        let begin = self.samples.get(self.samples.len().saturating_sub(PLOTTED)).map_or(0.0, |(time, _)| *time);
+        let frame = self.samples.iter().rev().nth(1).map_or(1.0, |(before, _)| end - before);
+        (begin, (end - begin).max((FRAMES * frame).min(1.0)))
     }
 
     /// The samples as comma-separated values, with a head that states their origin; `level` is the level that was run.
@@ -172,25 +181,24 @@ fn plotted(curve: &Curve, of: &Energies, negligible: f64) -> f64 {
 }
 
 fn plot(ui: &mut Ui, (history, curves): (&History, &[&'static Curve]), (end, negligible): (f64, f64), theme: &Theme) {
-    let values = history.samples().flat_map(|(_, of)| curves.iter().map(|curve| plotted(curve, of, negligible)));
+    let (begin, span) = history.axis();
+    let seen = || history.samples().filter(|(time, _)| *time >= begin);
+    let values = seen().flat_map(|(_, of)| curves.iter().map(|curve| plotted(curve, of, negligible)));
     let (low, high) = nice_range(values);
-    let begin = (end - WINDOW).max(0.0);
-    let span = (end - begin).max(1.0);
     let height = (ui.clip_rect().bottom() - ui.cursor().top() - 12.0).clamp(HEIGHTS.0, HEIGHTS.1);
     let apart = (high - low) * 13.0 / f64::from(height - 22.0);
     let response = plotting::still("energy", height, theme)
         .y_axis_min_width(52.0)
         .x_grid_spacer(move |input| marks(input.bounds, span))
         .y_grid_spacer(|input| plotting::heights(input.bounds, 0.4))
-        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .x_axis_formatter(|mark, _| time_text(mark))
         .y_axis_formatter(|mark, _| numbers::si(mark.value, "J"))
         .show(ui, |plot| {
             // The labels stand to the right of the ends of the lines.
             plot.set_plot_bounds_x(begin..=begin + 1.32 * span);
             plot.set_plot_bounds_y(low..=high);
             for curve in curves {
-                let points: PlotPoints<'_> =
-                    history.samples().map(|(time, of)| [*time, plotted(curve, of, negligible)]).collect();
+                let points: PlotPoints<'_> = seen().map(|(time, of)| [*time, plotted(curve, of, negligible)]).collect();
                 let width = if curve.name == "Total" { 1.2 } else { 1.8 };
                 plot.line(Line::new(curve.name, points).color((curve.color)(theme)).width(width).allow_hover(false));
             }
@@ -206,10 +214,17 @@ fn plot(ui: &mut Ui, (history, curves): (&History, &[&'static Curve]), (end, neg
 
 /// Grid marks of the time axis with numbers, few enough that the numbers do not overlap.
 pub(super) fn marks((from, to): (f64, f64), span: f64) -> Vec<GridMark> {
-    let step = [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|step| *step >= 0.32 * span).unwrap_or(10.0);
+    let power = 10.0_f64.powf((0.32 * span).log10().floor());
+    let step = power * [1.0, 2.0, 5.0].into_iter().find(|step| *step * power >= 0.32 * span).unwrap_or(10.0);
     let first = (from / step).ceil() as i64;
     let last = (to / step).floor() as i64;
     (first..=last).map(|mark| GridMark { value: mark as f64 * step, step_size: step }).collect()
+}
+
+/// Time of a grid mark, with as many decimals as tell it from the next one.
+pub(super) fn time_text(mark: GridMark) -> String {
+    let decimals = (-(mark.step_size * (1.0 + 1e-9)).log10().floor()).max(0.0) as usize;
+    format!("{:.decimals$} s", mark.value)
 }
 
 /// Heights of the curve labels: at the last values, but at least `apart` from each other, and at most `top`.
@@ -273,7 +288,28 @@ mod tests {
         for frame in 0..10_000 {
             history.record(&at(f64::from(frame) * 1e-4));
         }
-        assert!(history.samples.len() <= 122, "{}", history.samples.len());
+        assert_eq!(history.samples.len(), MOST);
+    }
+
+    /// At every speed of time the plot spans the frames of ten seconds, and its marks can be told apart.
+    #[test]
+    fn the_plot_spans_the_last_frames_at_every_speed() {
+        for factor in [1e-3, 0.1, 1.0] {
+            let mut history = History::default();
+            (0..300).for_each(|frame| history.record(&at(f64::from(frame) / 60.0)));
+            let begin = 5.0;
+            for frame in 0..800 {
+                history.record(&at(begin + f64::from(frame) / 60.0 * factor));
+            }
+            let (from, span) = history.axis();
+            assert!((span - 600.0 / 60.0 * factor).abs() < 0.02 * factor, "{factor}: {span}");
+            assert!((from + span - (begin + 799.0 / 60.0 * factor)).abs() < 1e-9);
+            let texts: Vec<_> = marks((from, from + span), span).into_iter().map(time_text).collect();
+            assert!((2..=5).contains(&texts.len()) && texts.windows(2).all(|pair| pair[0] != pair[1]), "{texts:?}");
+        }
+        let mut history = History::default();
+        history.record(&at(0.0));
+        assert_eq!(history.axis(), (0.0, 1.0));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::{
         Ending, HeadlessError, Interrupt, Outputs, Overrides, Progress, ProgressOptions, inputs, read, seconds,
     },
     level::Level,
+    link,
     picture::Picture,
     sandbox::Sandbox,
     snapshot::Snapshot,
@@ -49,6 +50,9 @@ pub struct Render {
     /// Draw the edges of triangles.
     #[arg(long)]
     pub wireframe: bool,
+    /// From where it is seen, as `camera` in a link: X,Y,SCALE in the plane, and X,Y,Z,RADIUS,YAW,PITCH in space. If not given, as the link says, or the whole.
+    #[arg(long, value_name = "NUMBERS", value_parser = camera, allow_hyphen_values = true)]
+    pub camera: Option<link::Camera>,
     /// How progress is shown.
     #[command(flatten)]
     pub progress_options: ProgressOptions,
@@ -164,17 +168,22 @@ impl Take {
         let mode = level.mode;
         let mut sandbox = Sandbox::new(level, Box::new(files::Disk)).map_err(fail)?;
         sandbox.apply(Command::SetMode(mode.into())).map_err(fail)?;
+        let dimension = sandbox.simulation().scene().dimension;
+        if request.camera.is_some_and(|camera| camera.dimension() != dimension) {
+            let wanted = if dimension == 2 { "three numbers X,Y,SCALE" } else { "six numbers X,Y,Z,RADIUS,YAW,PITCH" };
+            let why = format!("this scene takes {wanted}");
+            return Err(HeadlessError::File(files::FileError::Access { file: "--camera".to_owned(), why }));
+        }
+        let view = request.level.to_str().map(link::view).unwrap_or_default();
         let field = request.colour.field();
         let held = request.range.map(|end| (field, end));
-        let options = Options { field, held, wireframe: request.wireframe, ..Options::default() };
+        let options = Options { field, held, wireframe: request.wireframe || view.wireframe, ..Options::default() };
         let before = sandbox.simulation().state().steps;
-        Ok(Self {
-            before,
-            sandbox,
-            stage: Stage::new((request.size, 1), request.theme == Theme::Dark, options),
-            snapshot: Snapshot::default(),
-            field,
-        })
+        let mut stage = Stage::new((request.size, 1), request.theme == Theme::Dark, options);
+        if let Some(camera) = request.camera.or(view.camera) {
+            stage.look_from(camera);
+        }
+        Ok(Self { before, sandbox, stage, snapshot: Snapshot::default(), field })
     }
 
     /// A picture of the present state, some time after the one before \[s\], or the first one.
@@ -223,6 +232,13 @@ impl Take {
             self.sandbox.advance(due - taken, &mut || Interrupt::seen().is_none());
         }
     }
+}
+
+fn camera(text: &str) -> Result<link::Camera, String> {
+    text.parse().map_err(|()| {
+        "expected X,Y,SCALE of a scene in the plane, or X,Y,Z,RADIUS,YAW,PITCH in space; scale and radius above zero"
+            .to_owned()
+    })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

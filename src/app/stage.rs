@@ -3,11 +3,11 @@
 
 use super::{
     arrows::{ArrowKind, Arrows},
-    canvas::{Canvas, Options, Viewpoint},
+    canvas::{Canvas, Look, Options, Viewpoint},
     raster::{Raster, Texture},
     theme,
 };
-use crate::{picture::Picture, sandbox::Sandbox, snapshot::Snapshot};
+use crate::{link, picture::Picture, sandbox::Sandbox, snapshot::Snapshot};
 use eframe::egui::{
     Context, RawInput, Rect, TextureId, Theme, ViewportId, ViewportInfo, epaint::Primitive, pos2, vec2,
 };
@@ -59,6 +59,11 @@ impl Stage {
     /// Sees the scene from another viewpoint.
     pub const fn see_from(&mut self, viewpoint: Viewpoint) {
         self.canvas.see_from(viewpoint);
+    }
+
+    /// Sees the next scene as a link says.
+    pub fn look_from(&mut self, camera: link::Camera) {
+        self.canvas.look(Look::From(camera));
     }
 
     /// Draws with other options.

@@ -39,6 +39,16 @@ pub enum Camera {
     Space([f64; 3], f64, [f64; 2]),
 }
 
+impl Camera {
+    /// Number of coordinates of the scenes that it sees.
+    pub const fn dimension(&self) -> usize {
+        match self {
+            Self::Plane(..) => 2,
+            Self::Space(..) => 3,
+        }
+    }
+}
+
 /// Greatest coordinate of a camera \[m\], and greatest scale.
 const FARTHEST: f64 = 1e12;
 

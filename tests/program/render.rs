@@ -85,6 +85,25 @@ fn plane_space_and_toys_are_drawn_in_both_themes() {
     }
 }
 
+/// A view is chosen by an option or by the link that names the level, which are the same.
+#[test]
+fn pictures_are_seen_from_where_a_link_says() {
+    let folder = Folder::new("render-camera");
+    let drawn = |level: &str, more: &[&str]| {
+        let path = folder.file("view.png");
+        let ended =
+            gingerbread(&[&["render", level, "--out", &path, "--seconds", "0", "--size", "80x60"], more].concat());
+        assert!(ended.status.success(), "{level}: {}", said(&ended.stderr));
+        decoded(&path).1
+    };
+    for (level, camera) in [("gingerbread", "0.5,0.8,4"), ("tablecloth", "-0.1,0.2,0,0.4,0.3,1.2")] {
+        let (whole, near) = (drawn(level, &[]), drawn(level, &["--camera", camera]));
+        assert_ne!(whole, near, "{level}");
+        assert_eq!(drawn(&format!("?level={level}&camera={camera}"), &[]), near, "{level}");
+        assert_ne!(drawn(&format!("?level={level}&camera={camera}&wireframe"), &[]), near, "{level}");
+    }
+}
+
 /// A level that was saved while it ran goes on from there.
 #[test]
 fn a_saved_level_is_drawn_from_its_state_on() {
@@ -111,6 +130,8 @@ fn what_cannot_be_drawn_is_told_and_leaves_no_file() {
         ("man.gif", &["gingerbread", "--seconds", "-1"], "at least 0"),
         ("man.gif", &["gingerbread", "--seconds", "1e6"], "too many for a film"),
         ("man.png", &["gingerbred"], "gingerbred"),
+        ("man.png", &["gingerbread", "--camera", "0,0"], "expected X,Y,SCALE"),
+        ("man.png", &["gingerbread", "--camera", "0,0,0,1,0,0"], "this scene takes three numbers X,Y,SCALE"),
         ("none/man.png", &["gingerbread"], "--out"),
     ] {
         let path = folder.file(name);

@@ -20,7 +20,8 @@ use crate::{
     impulse::Impulse,
     integrators::IntegratorKind,
     level::{
-        BodyLevel, EffectLevel, Level, MassLevel, Note, Pin, Place, RunMode, Sleep, SubstepMode, Substeps, Toggle,
+        BodyLevel, EffectLevel, Level, MassLevel, Note, Pin, Place, RunMode, Sleep, SpacePlace, SubstepMode, Substeps,
+        Toggle,
     },
     materials::{MaterialParameters, Model, TypedEnergy},
     meshes::MeshKind,
@@ -115,6 +116,8 @@ pub enum Command {
     SetMesh(usize, MeshKind),
     /// Sets where a body (by number) is, how far it is turned and how large it is. Everything is reset; pinned vertices stay pinned.
     SetPlace(usize, Place),
+    /// Puts a net or membrane (by number: nets first, then membranes) elsewhere in space; the scene starts over.
+    SetSpacePlace(usize, SpacePlace),
     /// Divides triangles (by their numbers in the scene: of the bodies, then of the membranes), and goes on from the present state.
     Refine(Vec<usize>),
     /// Divides the fewest triangles that have together half of the sum of the squared errors of the stress, and goes on from the present state.
@@ -236,6 +239,7 @@ impl Command {
             | Self::CopyBody(_)
             | Self::RemoveBody(_)
             | Self::SetPlace(..)
+            | Self::SetSpacePlace(..)
             | Self::SetMass(..)
             | Self::SetMembrane(..)
             | Self::SetNet(..)

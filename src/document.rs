@@ -50,6 +50,8 @@ pub enum Gesture {
     Mesh(usize),
     /// The place of a body.
     Place(usize),
+    /// The place of a net or membrane.
+    SpacePlace(usize),
     /// The mass of a body.
     Mass(usize),
     /// Mass and springs of a net.

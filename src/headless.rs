@@ -12,7 +12,6 @@ mod progress;
 mod report;
 mod search;
 mod series;
-mod states;
 mod study;
 mod sweep;
 
@@ -26,11 +25,11 @@ pub use report::{
 };
 pub use search::{BreakRequest, search};
 pub use series::{Recording, Series};
-pub use states::States;
 pub use study::{Study, study};
 pub use sweep::{MergeRequest, SweepRequest, merge, sweep};
 
 use crate::{
+    archive::States,
     files::{self, FileError},
     hard::Case,
     inversion_recovery::untangled,
@@ -371,7 +370,11 @@ fn recording(request: &RunRequest, simulation: &Simulation) -> Result<Option<Rec
         Series::new(probes, simulation).map_err(|why| refuse("--csv", path, why))
     };
     let frames = |path: &PathBuf| Frames::new(path, simulation.scene()).map_err(|why| refuse("--vtk", path, why));
-    let states = |path: &PathBuf| States::new(path, simulation.scene()).map_err(|why| refuse("--npz", path, why));
+    let states = |path: &PathBuf| {
+        let is_archive = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"));
+        let named = if is_archive { Ok(()) } else { Err("the name of the archive must end in .npz".to_owned()) };
+        named.and_then(|()| States::new(simulation.scene())).map_err(|why| refuse("--npz", path, why))
+    };
     let texts = (request.csv.as_ref().map(series).transpose()?, request.vtk.as_ref().map(frames).transpose()?);
     let states = request.npz.as_ref().map(states).transpose()?;
     Ok(Recording::new(texts, states, request.every.unwrap_or(1.0 / 60.0)).begin(simulation))

@@ -276,6 +276,15 @@ impl Default for Place {
     }
 }
 
+impl Place {
+    /// The map from a point of the rest shape to its place \[m\].
+    pub fn map(&self) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
+        let (scale, turn, [dx, dy]) = (self.scale.get(), self.turn.get().to_radians(), self.offset.get());
+        let (c, s) = if turn == 0.0 { (scale, 0.0) } else { (scale * libm::cos(turn), scale * libm::sin(turn)) };
+        move |[x, y]| [c * x - s * y + dx, s * x + c * y + dy]
+    }
+}
+
 /// Start shape of a body, relative to its rest shape. Pinned vertices stay, and vertices on rollers stay on their side. The
 /// seed determines everything irregular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -384,6 +393,13 @@ pub struct EffectLevel {
     /// In which modes it acts.
     #[serde(default, skip_serializing_if = "is_default")]
     pub when: When,
+}
+
+impl EffectLevel {
+    /// Whether it acts in a mode.
+    pub fn acts_in(&self, mode: RunMode) -> bool {
+        self.switch.is_on() && (self.when == When::Always || mode == RunMode::Collide)
+    }
 }
 
 /// Whether an effect acts.

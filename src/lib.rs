@@ -48,6 +48,7 @@
 //! | [`report`], [`guard`], [`fault`] | step statistics, the energy check of steps, and faults |
 //! | [`simulation`], [`probe`] | stepping of a scene and its state; quantities of a running scene as columns of numbers |
 //! | [`rewind`] | the states of the last seconds |
+//! | `archive` | states over time as arrays for `NumPy`; feature `npz` |
 //! | [`command`], [`document`], [`sandbox`] | user actions, undo, and their execution |
 //! | [`snapshot`] | the data of a frame of the window |
 //! | [`study`] | accuracy and cost: references, work-precision diagrams, mesh studies, drift |
@@ -116,6 +117,9 @@ pub mod probe;
 pub mod simulation;
 
 pub mod rewind;
+
+#[cfg(feature = "npz")]
+pub mod archive;
 
 pub mod command;
 pub mod document;

@@ -65,6 +65,11 @@ impl Rewind {
         self.moments.back().filter(|last| last.state.time <= now).cloned()
     }
 
+    /// The moments, the oldest first.
+    pub fn moments(&self) -> impl Iterator<Item = &Restart> {
+        self.moments.iter()
+    }
+
     /// Length of the recorded time before a time \[s\].
     pub fn length(&self, now: f64) -> f64 {
         self.moments.front().map_or(0.0, |first| (now - first.state.time).max(0.0))

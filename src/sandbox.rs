@@ -484,6 +484,12 @@ impl Sandbox {
         taken
     }
 
+    /// The moments of the rewind buffer, the oldest first, up to the present.
+    pub fn recorded(&self) -> impl Iterator<Item = &Restart> {
+        let now = self.simulation.state().time;
+        self.rewind.moments().filter(move |moment| moment.state.time <= now)
+    }
+
     /// Length of the rewind buffer \[s\].
     pub fn rewind_length(&self) -> f64 {
         self.rewind.length(self.simulation.state().time)

@@ -21,6 +21,7 @@ mod keep_apart;
 mod multirate;
 mod overlaps;
 mod placed_check;
+mod renaming;
 mod replay;
 mod restart;
 mod script;
@@ -144,6 +145,7 @@ impl Simulation {
         if scene.start.x.len() == self.state.x.len() {
             scene.place_held(self.state.time, &mut self.state.x, &mut self.state.v);
         }
+        self.rename_contacts(&scene);
         let paced = self.scene.step == scene.step;
         (self.scene, self.stale) = (scene, true);
         self.measured_checks.clear();
@@ -156,6 +158,9 @@ impl Simulation {
         self.multirate = Multirate::new(&self.scene);
         self.wake_all(paced);
         self.begin_overlaps();
+        if self.state.steps == 0 {
+            self.state.anchors.clear();
+        }
         self.find_initial_penetrations();
         match before {
             Some(before) if self.is_guarded() => self.guard.changed(before, self.energies()),
@@ -392,6 +397,7 @@ impl Simulation {
     /// Finds the initial penetrations of a state that no step led to. One that steps led to has the memory of its contacts.
     fn begin_contacts(&mut self) {
         if self.state.steps == 0 {
+            self.state.anchors.clear();
             self.begin_overlaps();
         } else {
             self.resume_overlaps();

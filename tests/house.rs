@@ -35,6 +35,7 @@ const ROOMS: &[&[&str]] = &[
     &["fault"],
     &["simulation", "probe"],
     &["rewind"],
+    &["archive"],
     &["command"],
     &["document"],
     &["sandbox"],

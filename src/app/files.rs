@@ -5,9 +5,10 @@ use super::{
     canvas::{Look, Tool},
     dialogs::{self, DialogResult, Purpose},
     making,
-    panels::{Choice, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
+    panels::{Choice, Export, FileRequest, FilmRequest, Notice, Prompt, Unsaved, View},
 };
 use crate::{
+    archive::States,
     command::Command,
     files::{self, FileError},
     finish::{Finish, Image},
@@ -72,6 +73,10 @@ impl App {
                 None => self.grant(FileRequest::Save),
             },
             FileRequest::Save => self.dialogs.ask(Purpose::Save(stem(&self.snapshot.level.name) + ".ron")),
+            FileRequest::RecordedStates => match self.recorded_states() {
+                Ok(export) => self.dialogs.ask(Purpose::Export(export)),
+                Err(message) => self.view.notice = Some(Notice::Trouble(message)),
+            },
             FileRequest::Export(export) => self.dialogs.ask(Purpose::Export(export)),
             FileRequest::File(path, ignored) => {
                 self.open(&path);
@@ -81,6 +86,20 @@ impl App {
             }
             FileRequest::Close => self.leaves = true,
         }
+    }
+
+    /// The states of the last seconds as an archive of arrays, with the energies that they have in the scene as it is now.
+    fn recorded_states(&mut self) -> Result<Export, String> {
+        let name = stem(&self.snapshot.level.name) + ".npz";
+        let sandbox = self.settled();
+        let simulation = sandbox.simulation();
+        let mut states = States::new(simulation.scene())?;
+        let now = simulation.restart();
+        let earlier = sandbox.recorded().filter(|moment| moment.state.steps < now.state.steps);
+        for moment in earlier.chain([&now]) {
+            states.record(simulation.scene(), &moment.state, &simulation.energies_at(moment));
+        }
+        Ok(Export { name, bytes: states.bytes()? })
     }
 
     /// Starts a level that was read, and clears the notice. Returns whether it could be built.

@@ -56,6 +56,8 @@ impl App {
     pub(super) fn make(&mut self) {
         let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_tool());
         self.view.stage.tool = self.canvas.take_tool().or(of_b).unwrap_or(self.view.stage.tool);
+        let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_body());
+        self.view.body = self.canvas.take_body().or(of_b).unwrap_or(self.view.body);
         let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_outline());
         if let Some(outline) = self.canvas.take_outline().or(of_b) {
             self.view.stage.tool = Tool::Hand;

@@ -39,6 +39,13 @@ pub trait BetweenVertices<const D: usize, const T: usize, const N: usize> {
         candidate: (u32, u32),
     ) -> Option<Met<D>>;
 
+    /// The obstacle of a contact by the number of its surface, and what touches there: zero for a vertex, and from one on the corners of the obstacle, or the
+    /// points of a triangle.
+    fn split_surface(&self, surface: u32) -> Option<(usize, u32)>;
+
+    /// The number of the surface of a contact by these; `None` if there is no such.
+    fn join_surface(&self, obstacle: usize, part: u32) -> Option<u32>;
+
     /// Share of the skin of the vertices of a part that touches an obstacle between them.
     fn share_between(&self, _obstacle: usize, _part: u32) -> f64 {
         0.0

@@ -143,6 +143,25 @@ impl BetweenVertices<2, 1, 3> for ObstacleContact {
         })
     }
 
+    fn split_surface(&self, surface: u32) -> Option<(usize, u32)> {
+        let count = self.obstacles.len();
+        let Some(mut corner) = (surface as usize).checked_sub(count) else { return Some((surface as usize, 0)) };
+        for (number, placed) in self.obstacles.iter().enumerate() {
+            let own = placed.obstacle.corners().len();
+            if corner < own {
+                return Some((number, 1 + corner as u32));
+            }
+            corner -= own;
+        }
+        None
+    }
+
+    fn join_surface(&self, obstacle: usize, part: u32) -> Option<u32> {
+        let own = self.obstacles.get(obstacle)?.obstacle.corners().len();
+        let Some(corner) = part.checked_sub(1) else { return Some(obstacle as u32) };
+        ((corner as usize) < own).then(|| self.obstacles.len() as u32 + self.first_corner(obstacle) + corner)
+    }
+
     /// A vertex may touch an obstacle while one of its edges touches a corner.
     fn area_around(&self, _: u32, part: u32, own: f64) -> f64 {
         if self.has_corners { own + self.surface.mean_edge(part) } else { own }

@@ -205,6 +205,16 @@ impl BetweenVertices<3, 2, 4> for SpaceContact {
         Some(Met { vertices: own.corners.map(|corner| corner as usize), weights: point.shares, ..met })
     }
 
+    fn split_surface(&self, surface: u32) -> Option<(usize, u32)> {
+        let count = self.obstacles.len() as u32;
+        Some((surface.checked_rem(count)? as usize, surface / count))
+    }
+
+    fn join_surface(&self, obstacle: usize, part: u32) -> Option<u32> {
+        let count = self.obstacles.len() as u32;
+        part.checked_mul(count)?.checked_add(obstacle as u32).filter(|_| obstacle < self.obstacles.len())
+    }
+
     fn share_between(&self, obstacle: usize, part: u32) -> f64 {
         let parts = self.faces.as_ref().map_or(1, |_| self.divisions(obstacle, part));
         1.0 - 1.0 / (parts * parts) as f64

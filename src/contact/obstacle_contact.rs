@@ -379,6 +379,12 @@ pub trait ObstacleTerm: Send + Sync {
     /// Number of obstacles.
     fn count(&self) -> usize;
 
+    /// The obstacle of a contact by the number of its surface, and a number of what touches there, which does not depend on other obstacles.
+    fn split(&self, surface: u32) -> Option<(usize, u32)>;
+
+    /// The number of the surface of a contact by these; `None` if there is no such.
+    fn surface_of(&self, obstacle: usize, part: u32) -> Option<u32>;
+
     /// Whether anything may be within the contact margin of an obstacle at a time \[s\]; conservative.
     fn may_touch(&self, time: f64, x: &[f64]) -> bool;
 
@@ -425,6 +431,14 @@ where
 {
     fn count(&self) -> usize {
         self.obstacles.len()
+    }
+
+    fn split(&self, surface: u32) -> Option<(usize, u32)> {
+        self.split_surface(surface)
+    }
+
+    fn surface_of(&self, obstacle: usize, part: u32) -> Option<u32> {
+        self.join_surface(obstacle, part)
     }
 
     fn may_touch(&self, time: f64, x: &[f64]) -> bool {

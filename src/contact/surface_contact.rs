@@ -250,12 +250,12 @@ impl SurfaceTerm for SurfaceContact {
     fn update(&self, candidates: &mut Candidates, x: &[f64], anchors: &[Anchor]) {
         candidates.update(&*self.surface, x, self.reach(), |pair| self.can_touch(pair));
         let deep = self.own_anchors(anchors).iter().filter(|anchor| anchor.penetration > 0.0);
-        let deep = deep.flat_map(|anchor| {
-            let edge = anchor.contact.surface;
-            let [before, after] = self.surface.edges()[edge as usize].neighbours;
-            let place = self.surface.place_of(anchor.contact.vertex);
-            [before, edge, after].into_iter().filter_map(move |edge| Some([edge, place?]))
+        let deep = deep.filter_map(|anchor| {
+            let (edge, place) = (anchor.contact.surface, self.surface.place_of(anchor.contact.vertex)?);
+            let [before, after] = self.surface.edges().get(edge as usize)?.neighbours;
+            Some([before, edge, after].map(|edge| [edge, place]))
         });
+        let deep = deep.flatten();
         candidates.set_deep(deep.filter(|pair| self.can_touch(*pair)));
     }
 

@@ -337,11 +337,14 @@ impl<const D: usize, const T: usize, const N: usize> Touch<D, T, N> {
         self.memory.is_none() && self.gap < 0.0
     }
 
-    /// Memory of the contact in a state that no step led to: without memory it begins without a force.
+    /// Memory of the contact in a state that no step led to: without memory it begins without a force. So does one whose obstacle was moved so far that
+    /// the gap is negative in spite of its memory.
     pub fn begun(&self) -> Anchor {
         let penetration = self.memory.map_or(0.0, |(_, penetration)| penetration);
         let missing = self.parameters.potential.thickness - (self.gap - penetration);
-        self.kept.filter(|kept| kept.contact == self.name).unwrap_or_else(|| self.anchor([0.0; T], missing))
+        self.kept
+            .filter(|kept| kept.contact == self.name && self.gap >= 0.0)
+            .unwrap_or_else(|| self.anchor([0.0; T], missing))
     }
 
     /// Memory of the contact with a slip since the anchor and an initial penetration \[m\].

@@ -71,7 +71,7 @@ use crate::{
     contact::{Anchor, AnyContact, Candidates, ContactProperties, ObstacleTerm, Pair, SurfaceTerm},
     elements::{Elements, EulerUpdate, UniformForce},
     meshes::Pin,
-    obstacles::{Surfaces, Triangulation},
+    obstacles::{ObstacleKind, Surfaces, Triangulation},
     quantity::Quantity,
     registry::registry,
     solvers::{ConstraintRows, SparseMatrix, Weights},
@@ -149,6 +149,16 @@ pub trait EffectParameters {
     /// The same numbers in groups.
     fn groups(&mut self) -> Vec<Group<'_>> {
         vec![Group { title: None, solid: None, numbers: self.parameters() }]
+    }
+
+    /// The obstacles of the effect.
+    fn obstacles(&self) -> &[ObstacleKind] {
+        &[]
+    }
+
+    /// The same, to be added, moved and removed; `None` if it cannot have any.
+    fn obstacles_mut(&mut self) -> Option<&mut Vec<ObstacleKind>> {
+        None
     }
 
     /// The formulas a panel may change, with their names.

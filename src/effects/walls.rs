@@ -38,21 +38,23 @@ impl EffectParameters for Walls {
     }
 
     fn groups(&mut self) -> Vec<Group<'_>> {
-        let names: Vec<_> = self.obstacles.iter().map(ObstacleKind::title).collect();
+        let titles = ObstacleKind::titles(&self.obstacles);
         let mut solids = 0..;
-        let groups = self.obstacles.iter_mut().enumerate().map(|(number, kind)| {
-            let same = |upto: usize| names[..upto].iter().filter(|name| **name == names[number]).count();
-            let title = if same(names.len()) > 1 {
-                format!("{} {}", names[number], same(number) + 1)
-            } else {
-                names[number].clone()
-            };
+        let groups = self.obstacles.iter_mut().zip(titles).map(|(kind, title)| {
             let solid = if kind.kind().outline().is_empty() { None } else { solids.next() };
             let numbers =
                 if matches!(kind, ObstacleKind::Plane(_)) { Vec::new() } else { kind.kind_mut().parameters() };
             Group { title: Some(title), solid, numbers }
         });
         groups.filter(|group| !group.numbers.is_empty()).collect()
+    }
+
+    fn obstacles(&self) -> &[ObstacleKind] {
+        &self.obstacles
+    }
+
+    fn obstacles_mut(&mut self) -> Option<&mut Vec<ObstacleKind>> {
+        Some(&mut self.obstacles)
     }
 
     fn shapes(&self, time: f64, surfaces: &Surfaces) -> Vec<Shape> {
@@ -102,7 +104,8 @@ impl EffectParameters for Walls {
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {
-        if self.obstacles.iter().any(|kind| kind.kind().dimension() == 3) {
+        let is_empty_in_space = self.obstacles.is_empty() && elements.dimension() == 3;
+        if is_empty_in_space || self.obstacles.iter().any(|kind| kind.kind().dimension() == 3) {
             let build = |(number, kind): (usize, &ObstacleKind)| {
                 let built = kind.kind().build_in_space(&elements.surfaces);
                 let obstacle = built.map_err(|why| format!("obstacle {number} ({}): {why}", kind.name()))?;

@@ -1,7 +1,7 @@
 //! States of a run over time for `ParaView` and other programs that read VTK: one file of an unstructured grid (`.vtu`) for each, and a
 //! collection (`.pvd`) that says at which times they are. The format is that of *VTK File Formats*, with numbers as text.
 
-use crate::{elements::Field, files, scene::Scene, simulation::Simulation};
+use crate::{archive::Listed, elements::Field, files, scene::Scene, simulation::Simulation};
 use std::{
     fmt::{Display, Write as _},
     path::{Path, PathBuf},
@@ -27,46 +27,6 @@ pub struct Frames {
     times: Vec<f64>,
     listed: Listed,
     failure: Option<String>,
-}
-
-/// Vertices, triangles and springs of a scene as its level lists them.
-pub struct Listed {
-    /// Place of each vertex of the scene.
-    pub vertices: Vec<usize>,
-    /// Place of each triangle of the scene, and its corners by their places.
-    pub triangles: Vec<(usize, [usize; 3])>,
-    /// Ends of all springs, by their places.
-    pub springs: Vec<[usize; 2]>,
-}
-
-impl Listed {
-    /// Those of a scene.
-    ///
-    /// # Errors
-    /// If it is a toy.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
-        if scene.toy.is_some() {
-            return Err("a toy has no vertices".to_owned());
-        }
-        let count = scene.start.x.len() / scene.dimension;
-        let vertices: Vec<_> = (0..count).map(|vertex| scene.listed_vertex(vertex).unwrap_or(vertex)).collect();
-        let place = |vertex: u32| vertices[vertex as usize];
-        let membranes = scene.membranes.iter().flat_map(|membrane| membrane.elements.corners());
-        let corners = scene.triangles.iter().chain(membranes).enumerate();
-        let triangles = corners
-            .map(|(number, corners)| (scene.listed_triangle(number).unwrap_or(number), corners.map(place)))
-            .collect();
-        let links = scene.nets.iter().flat_map(|net| net.springs.links());
-        let springs = links.map(|link| link.ends.map(place)).collect();
-        Ok(Self { vertices, triangles, springs })
-    }
-
-    /// Corners of the triangles, in the order of the level.
-    pub fn corners(&self) -> Vec<[usize; 3]> {
-        let mut corners = vec![[0; 3]; self.triangles.len()];
-        self.triangles.iter().for_each(|(place, own)| corners[*place] = *own);
-        corners
-    }
 }
 
 impl Frames {

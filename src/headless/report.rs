@@ -3,7 +3,7 @@
 use crate::{
     files,
     inversion_recovery::Tangle,
-    level::{Check, Level, RunMode, Switch, When},
+    level::{Check, Level, Switch},
     report::{EffectCost, Energies, SubstepPlan},
     simulation::{PlacedCheck, Simulation},
     study::{Saving, Savings},
@@ -340,10 +340,7 @@ fn ledger(level: &Level, simulation: &Simulation, savings: &[Saving]) -> Vec<Eff
         saved_ms_per_frame: savings.get(number).map(|saving| 1e3 * saving.saved()),
     };
     let there = simulation.costs().iter().enumerate().map(row);
-    let absent = level
-        .effects
-        .iter()
-        .filter(|listed| !listed.switch.is_on() || (listed.when == When::Collide && level.mode == RunMode::Simulate));
+    let absent = level.effects.iter().filter(|listed| !listed.acts_in(level.mode));
     let absent = absent.map(|listed| EffectReport {
         switch: Switch::Off,
         saved_ms_per_frame: None,

@@ -1,7 +1,7 @@
 //! What is recorded while a run goes on: quantities as CSV, and states as frames or arrays.
 
-use super::{Frames, States};
-use crate::{probe::Probe, simulation::Simulation, table::Table};
+use super::Frames;
+use crate::{archive::States, probe::Probe, simulation::Simulation, table::Table};
 
 /// What is recorded at equal intervals of simulated time: at the steps that end nearest to them.
 pub struct Recording {
@@ -55,7 +55,7 @@ impl Recording {
             frames.record(simulation);
         }
         if let Some(states) = &mut self.states {
-            states.record(simulation);
+            states.record(simulation.scene(), simulation.state(), &simulation.energies());
         }
     }
 }

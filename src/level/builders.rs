@@ -1,6 +1,8 @@
 //! Levels built in code.
 
-use super::{BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, no_spin, no_velocity, unstretched};
+use super::{
+    BodyLevel, EffectLevel, Level, MassLevel, MembraneLevel, NetLevel, SpacePlace, no_spin, no_velocity, unstretched,
+};
 use crate::{
     effects::EffectKind,
     elements::ElementKind,
@@ -27,6 +29,12 @@ impl Level {
     pub fn finish_mut(&mut self, number: usize) -> Option<&mut Finish> {
         let nets = self.nets.iter_mut().map(|net| &mut net.finish);
         nets.chain(self.membranes.iter_mut().map(|membrane| &mut membrane.finish)).nth(number)
+    }
+
+    /// Where a net or membrane is put in space (by number: nets first, then membranes); `None` if there is no such in space.
+    pub fn space_mut(&mut self, number: usize) -> Option<&mut SpacePlace> {
+        let nets = self.nets.iter_mut().map(|net| net.space.as_mut());
+        nets.chain(self.membranes.iter_mut().map(|membrane| Some(&mut membrane.space))).nth(number)?
     }
 
     /// A level without bodies and effects, with the defaults of a level file.

@@ -1,6 +1,6 @@
 //! Obstacle: a disk.
 
-use super::{Obstacle, ObstacleParameters, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, solid::Solid};
 use crate::quantity::{Coordinate, Point, Quantity, Radius, Reach};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,16 @@ impl ObstacleParameters for Ball {
         let (centre, radius) = (self.centre.get(), self.radius.get());
         let shape = parry2d::shape::Ball::new(radius);
         Ok(Box::new(Solid::in_plane(shape, centre, self.eps.get()).with_corners(radius, &[centre], true)))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        let [x, y] = self.centre.get();
+        [x, y, 0.0]
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.centre = by.of_point(self.centre)?;
+        by.scale([&mut self.radius])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,6 +1,6 @@
 //! Obstacle in space: a box.
 
-use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Depth, Height, Quantity, Reach, SpacePoint, Width};
 use parry3d::{
     math::{Pose, Vector},
@@ -53,6 +53,15 @@ impl ObstacleParameters for Block {
     fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let (shape, pose) = self.shape();
         Ok(Box::new(Solid::in_space(shape, pose, self.eps.get())))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.centre.get()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.centre = by.of_space_point(self.centre)?;
+        by.scale([&mut self.width, &mut self.height, &mut self.depth])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

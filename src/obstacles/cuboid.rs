@@ -1,6 +1,6 @@
 //! Obstacle: a rectangle.
 
-use super::{Obstacle, ObstacleParameters, Polygon};
+use super::{Obstacle, ObstacleParameters, Polygon, Similarity};
 use crate::quantity::{Angle, Coordinate, Height, Point, Quantity, Reach, Width};
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,16 @@ impl Cuboid {
 impl ObstacleParameters for Cuboid {
     fn build(&self) -> Result<Box<dyn Obstacle>, String> {
         self.polygon().build()
+    }
+
+    fn place(&self) -> [f64; 3] {
+        let [x, y] = self.centre.get();
+        [x, y, 0.0]
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        (self.centre, self.turn) = (by.of_point(self.centre)?, by.of_angle(self.turn)?);
+        by.scale([&mut self.width, &mut self.height])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,6 +1,6 @@
 //! Obstacle in space: a cylinder.
 
-use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Height, Quantity, Radius, Reach, SpacePoint};
 use parry3d::{
     math::{Pose, Vector},
@@ -50,6 +50,15 @@ impl ObstacleParameters for Cylinder {
     fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let (shape, pose) = self.shape();
         Ok(Box::new(Solid::in_space(shape, pose, self.eps.get())))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.centre.get()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.centre = by.of_space_point(self.centre)?;
+        by.scale([&mut self.radius, &mut self.height])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

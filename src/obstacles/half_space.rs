@@ -1,6 +1,6 @@
 //! Obstacle in space: a half-space, such as the floor.
 
-use super::{Contact, Obstacle, ObstacleParameters, Surfaces, Triangulation};
+use super::{Contact, Obstacle, ObstacleParameters, Similarity, Surfaces, Triangulation};
 use crate::quantity::{Coordinate, Quantity, Reach, SpacePoint};
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,15 @@ impl ObstacleParameters for HalfSpace {
             return Err(format!("a plane's normal must have a direction, got {:?}", self.normal.get()));
         };
         Ok(Box::new(Built { point: self.point.get(), normal, eps: self.eps.get() }))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.point.get()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.point = by.of_space_point(self.point)?;
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -26,6 +26,7 @@ mod plane;
 mod polygon;
 mod rigid;
 mod segments;
+mod similarity;
 mod solid;
 mod sphere;
 mod surface;
@@ -43,6 +44,7 @@ pub use plane::{HalfPlane, Plane, free_region};
 pub use polygon::Polygon;
 pub use rigid::{Rigid, SweptMotion};
 pub use segments::{segments_cross, segments_meet, side_of};
+pub use similarity::Similarity;
 pub use sphere::Sphere;
 pub use surface::Surface;
 pub use triangulation::Triangulation;
@@ -82,6 +84,32 @@ impl ObstacleKind {
             still => still.name().to_owned(),
         }
     }
+
+    /// Whether it goes on without end, as a plane does.
+    pub fn is_endless(&self) -> bool {
+        match self {
+            Self::Plane(_) | Self::HalfSpace(_) => true,
+            Self::Moving(moving) => moving.obstacle.is_endless(),
+            _ => false,
+        }
+    }
+
+    /// Its outline in the plane at a time \[s\], after its motions \[m\].
+    pub fn outline_at(&self, time: f64) -> Vec<[f64; 2]> {
+        let moved = placed::<2>(&self.kind().motions(), time);
+        self.kind().outline().into_iter().map(|corner| moved.point(corner)).collect()
+    }
+
+    /// Names of all obstacles of a list: those with the same name are numbered.
+    pub fn titles(obstacles: &[Self]) -> Vec<String> {
+        let names: Vec<_> = obstacles.iter().map(Self::title).collect();
+        let title = |number: usize| {
+            let same = |upto: usize| names[..upto].iter().filter(|name| **name == names[number]).count();
+            let name = &names[number];
+            if same(names.len()) > 1 { format!("{name} {}", same(number) + 1) } else { name.clone() }
+        };
+        (0..names.len()).map(title).collect()
+    }
 }
 
 /// The parameters of an obstacle.
@@ -111,6 +139,13 @@ pub trait ObstacleParameters {
     fn notes(&self) -> Option<String> {
         None
     }
+
+    /// A point of the shape that shows where it is \[m\]: its middle, if it has one. In the plane z is zero.
+    fn place(&self) -> [f64; 3];
+
+    /// Moves, scales and turns the shape with its motions; the contact margin stays. Shapes in space are not turned. `None` if a number
+    /// would leave its range.
+    fn arrange(&mut self, by: &Similarity) -> Option<()>;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;

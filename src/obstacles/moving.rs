@@ -1,6 +1,8 @@
 //! Obstacle with a prescribed motion.
 
-use super::{MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Surfaces, Triangulation, check};
+use super::{
+    MotionKind, Obstacle, ObstacleKind, ObstacleParameters, Plane, Similarity, Surfaces, Triangulation, check,
+};
 use crate::quantity::{Point, Quantity};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -52,6 +54,15 @@ impl ObstacleParameters for Moving {
 
     fn notes(&self) -> Option<String> {
         self.obstacle.kind().notes()
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.obstacle.kind().place()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.motions.iter_mut().try_for_each(|motion| motion.kind_mut().arrange(by))?;
+        self.obstacle.kind_mut().arrange(by)
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,6 +1,6 @@
 //! Obstacle: a half-plane.
 
-use super::{Contact, Obstacle, ObstacleParameters};
+use super::{Contact, Obstacle, ObstacleParameters, Similarity};
 use crate::quantity::{Coordinate, Point, Quantity, Reach};
 use parry2d::{math::Vector, shape::HalfSpace};
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,16 @@ impl ObstacleParameters for Plane {
             return Err(format!("a plane's normal must have a direction, got {:?}", self.normal.get()));
         };
         Ok(Box::new(HalfPlane::new(self.point.get(), normal.into(), self.eps.get())))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        let [x, y] = self.point.get();
+        [x, y, 0.0]
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        (self.point, self.normal) = (by.of_point(self.point)?, by.of_direction(self.normal)?);
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,6 +1,6 @@
 //! Obstacle: a solid polygon.
 
-use super::{Obstacle, ObstacleParameters, segments_meet, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, segments_meet, solid::Solid};
 use crate::{
     meshes::{merged, size},
     quantity::{Coordinate, Point, Quantity, Reach},
@@ -79,6 +79,18 @@ impl ObstacleParameters for Polygon {
         let outer: Vec<_> = (0..corners.len()).filter(turns_left).map(|i| corners[i]).collect();
         let is_convex = outer.len() == corners.len();
         Ok(Box::new(Solid::in_plane(shape, [0.0, 0.0], self.eps.get()).with_corners(0.0, &outer, is_convex)))
+    }
+
+    /// The mean of the corners.
+    fn place(&self) -> [f64; 3] {
+        let count = self.points.len().max(1) as f64;
+        let mean = |axis: usize| self.points.iter().map(|point| point.get()[axis]).sum::<f64>() / count;
+        [mean(0), mean(1), 0.0]
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.points = self.points.iter().map(|point| by.of_point(*point)).collect::<Option<_>>()?;
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

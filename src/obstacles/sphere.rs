@@ -1,6 +1,6 @@
 //! Obstacle in space: a sphere.
 
-use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, Surfaces, Triangulation, solid::Solid};
 use crate::quantity::{Coordinate, Quantity, Radius, Reach, SpacePoint};
 use parry3d::{
     math::{Pose, Vector},
@@ -42,6 +42,15 @@ impl ObstacleParameters for Sphere {
     fn build_in_space(&self, _: &Surfaces) -> Result<Box<dyn Obstacle<3>>, String> {
         let radius = self.radius.get();
         Ok(Box::new(Solid::in_space(Ball::new(radius), self.pose(), self.eps.get()).with_radius(radius)))
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.centre.get()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.centre = by.of_space_point(self.centre)?;
+        by.scale([&mut self.radius])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

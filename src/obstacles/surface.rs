@@ -1,6 +1,6 @@
 //! Obstacle in space: a closed surface of triangles from a file.
 
-use super::{Obstacle, ObstacleParameters, Surfaces, Triangulation, solid::Solid};
+use super::{Obstacle, ObstacleParameters, Similarity, Surfaces, Triangulation, solid::Solid};
 use crate::{
     meshes::SurfaceMesh,
     quantity::{Coordinate, Factor, Quantity, Reach, SpacePoint},
@@ -70,6 +70,16 @@ impl ObstacleParameters for Surface {
         let shape = TriMesh::with_flags(points, mesh.triangles.clone(), TriMeshFlags::ORIENTED)
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
         Ok(Box::new(Solid::in_space(shape, Pose::IDENTITY, self.eps.get()).with_corners(0.0, &[], false)))
+    }
+
+    /// Where the origin of the file is.
+    fn place(&self) -> [f64; 3] {
+        self.offset.get()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.offset = by.of_space_point(self.offset)?;
+        by.scale([&mut self.scale])
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -11,10 +11,11 @@ use crate::{
     scene::Owner,
 };
 
+const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
+
 impl Sandbox {
     /// Changes to the document that can be undone.
     pub(super) fn edit(&mut self, command: Command) -> Result<(), Refused> {
-        const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
         const NO_TEST: Refused = Refused::NotHere("this level is not a stretch test");
         let is_note = matches!(command, Command::AddNote(_) | Command::SetNotes(_));
         let mut document = self.document.clone();
@@ -188,6 +189,15 @@ fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option
             let part = document.source(part);
             *document.level.energy_mut(part).ok_or(NO_PART)? = energy;
             Ok((Then::Keep, Some(Gesture::Energy(part))))
+        }
+        Command::SetSpacePlace(number, place) => {
+            let gesture = Some(Gesture::SpacePlace(number));
+            let now = document.level.space_mut(number).ok_or(NO_CLOTH)?;
+            if std::mem::replace(now, place) == place {
+                return Ok((Then::Keep, gesture));
+            }
+            document.level.state = None;
+            Ok((Then::Restart, gesture))
         }
         Command::AddBody(body) => {
             add_body(document, *body)?;

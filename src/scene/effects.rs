@@ -5,11 +5,28 @@ use crate::{
     contact::{ContactModel, ContactProperties, SurfaceVertices},
     effects::{DuplicatePolicy, Effect},
     elements::{ElasticElements, Elements, FlatShape, NetSprings},
-    level::{EffectLevel, Level, RunMode, Switch, When},
+    level::{EffectLevel, Level, RunMode, Switch},
     meshes::Files,
-    obstacles::Surfaces,
+    obstacles::{ObstacleKind, Surfaces},
 };
 use std::sync::Arc;
+
+/// An effect of the level that acts, by which contacts are known again in another scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActingEffect {
+    /// Its place in the level.
+    pub place: usize,
+    /// Name of its kind.
+    pub name: &'static str,
+    /// Its obstacles.
+    pub obstacles: Vec<ObstacleKind>,
+}
+
+impl ActingEffect {
+    fn new(place: usize, listed: &EffectLevel) -> Self {
+        Self { place, name: listed.effect.name(), obstacles: listed.effect.kind().obstacles().to_vec() }
+    }
+}
 
 impl Scene {
     /// Builds the effects of a level: elasticity first, then what is switched on for a mode, in the order of the list.
@@ -46,8 +63,7 @@ impl Scene {
             let name = listed.effect.name();
             listed.effect.kind().build(elements).map_err(|why| SceneError::Effect { name, why })
         };
-        let acts =
-            |listed: &&EffectLevel| listed.switch.is_on() && (listed.when == When::Always || mode == RunMode::Collide);
+        let acts = |listed: &&EffectLevel| listed.acts_in(mode);
         // An effect that is off is built too, so that its errors are found.
         for listed in &level.effects {
             touching.add(build(listed, &elements)?.as_ref());
@@ -58,6 +74,8 @@ impl Scene {
         }
         let (is_filter, has_skin) = (properties.filter.is_some(), properties.skin.is_some());
         elements.contact = properties.into();
+        let acting = level.effects.iter().enumerate().filter(|(_, listed)| acts(listed));
+        self.acting = Arc::new(acting.map(|(place, listed)| ActingEffect::new(place, listed)).collect());
         for listed in level.effects.iter().filter(acts) {
             let mut effect = build(listed, &elements)?;
             if let Some(dimension) = effect.dimension().filter(|dimension| *dimension != self.dimension) {

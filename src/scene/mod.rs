@@ -13,6 +13,7 @@ mod sub_scene;
 
 pub use crate::meshes::extent;
 pub use correspondence::Correspondence;
+pub use effects::ActingEffect;
 pub use membrane::Membrane;
 pub use net::Net;
 use start::sliding;
@@ -71,6 +72,8 @@ pub struct Scene {
     pub parts: Vec<Arc<dyn ElasticElements>>,
     /// All effects, elasticity first.
     pub effects: Vec<Arc<dyn Effect>>,
+    /// The effects of the level that act, in the order of the effects after the elements.
+    pub acting: Arc<Vec<ActingEffect>>,
     /// Which effects may be skipped where they change nothing.
     pub auto: Vec<bool>,
     /// The time-stepping scheme.
@@ -299,6 +302,7 @@ impl Scene {
             elements: Arc::default(),
             parts: Vec::new(),
             effects: Vec::new(),
+            acting: Arc::default(),
             auto: Vec::new(),
             integrator: IntegratorKind::default(),
             step: Substeps::default().step(),
@@ -520,7 +524,7 @@ impl Scene {
         let numbering = mesh.numbering();
         let first = self.rest.len() / self.dimension;
         let vertices = first..first + mesh.points().len();
-        self.rest.extend(placed(level, &mesh));
+        self.rest.extend(mesh.points().iter().copied().flat_map(level.place.map()));
         let rest = &self.rest[self.numbers(&vertices)];
         if !rest.iter().all(|coordinate| coordinate.abs() <= State::LIMIT) {
             return Err(format!("its place puts it beyond {:e} m", State::LIMIT));
@@ -676,14 +680,6 @@ pub fn check_toy_integrator(integrator: &IntegratorKind) -> Result<(), SceneErro
     let known = IntegratorKind::all();
     let instead = known.iter().find(|kind| suits(kind)).map_or("another", |kind| kind.kind().title());
     Err(SceneError::ToyIntegrator { integrator: integrator.kind().title(), instead })
-}
-
-/// The rest positions: the mesh scaled, turned and moved, flat \[m\].
-fn placed(level: &BodyLevel, mesh: &Mesh) -> Vec<f64> {
-    let (scale, turn, [dx, dy]) = (level.place.scale.get(), level.place.turn.get(), level.place.offset.get());
-    let turn = turn.to_radians();
-    let (c, s) = if turn == 0.0 { (scale, 0.0) } else { (scale * libm::cos(turn), scale * libm::sin(turn)) };
-    mesh.points().iter().flat_map(|[x, y]| [c * x - s * y + dx, s * x + c * y + dy]).collect()
 }
 
 /// The start positions: stretched about the middle of the bottom edge, flat \[m\].

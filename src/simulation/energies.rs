@@ -1,8 +1,12 @@
 //! Energies of a running scene. The elastic energy, which costs most, is computed once for each shape and shared by all
 //! callers.
 
-use super::Simulation;
-use crate::{effects::Grab, report::Energies, scene::Scene};
+use super::{Restart, Simulation};
+use crate::{
+    effects::{Grab, Motion},
+    report::Energies,
+    scene::Scene,
+};
 use pulp::Arch;
 
 /// Cached elastic energies.
@@ -54,39 +58,28 @@ impl Simulation {
             return Energies { kinetic, potential, ..Energies::default() };
         }
         let motion = self.scene.motion(&self.state, grab);
-        let (elements, other) = self.scene.effects.split_at(self.scene.element_count());
         if self.elastic.borrow().shape != Some(self.shape) {
-            self.set_elastic_energies(elements.iter().map(|effect| effect.energy(motion)));
+            self.set_elastic_energies(elastic_energies(&self.scene, motion));
             self.elastic.borrow_mut().evaluations += 1;
         }
         let elastic = self.elastic.borrow().each.iter().sum();
-        let mut energies = Energies { kinetic: self.kinetic_energy(), elastic, ..Energies::default() };
-        for effect in other {
-            let kind = if effect.contact().is_some() { &mut energies.contact } else { &mut energies.potential };
-            *kind += effect.energy(motion);
-        }
-        energies
+        energies(&self.scene, motion, self.kinetic_energy(), elastic)
+    }
+
+    /// Energies at another moment in the same scene, which is no toy \[J\].
+    pub fn energies_at(&self, moment: &Restart) -> Energies {
+        let motion = self.scene.motion(&moment.state, moment.grab());
+        energies(
+            &self.scene,
+            motion,
+            kinetic_energy(&self.scene, &moment.state.v),
+            elastic_energies(&self.scene, motion).sum(),
+        )
     }
 
     /// Kinetic energy \[J\].
     pub(super) fn kinetic_energy(&self) -> f64 {
-        // 32 independent sums avoid a chain of dependent additions; their number is the same on every processor, so
-        // that the bits are too.
-        const SUMS: usize = 32;
-        let (v, v_rest) = self.state.v.as_chunks::<SUMS>();
-        let (mass, mass_rest) = self.scene.mass.as_chunks::<SUMS>();
-        let sums = Arch::new().dispatch(|| {
-            let mut sums = [0.0; SUMS];
-            for (v, mass) in v.iter().zip(mass) {
-                for ((sum, v), mass) in sums.iter_mut().zip(v).zip(mass) {
-                    *sum += mass * v * v;
-                }
-            }
-            sums
-        });
-        let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
-        let lumped = 0.5 * sums.into_iter().chain(rest).sum::<f64>();
-        lumped + self.scene.coupled_energy(&self.state.v)
+        kinetic_energy(&self.scene, &self.state.v)
     }
 
     /// Elastic energy of a body, or after the bodies of a net, if it is cached for the present shape \[J\].
@@ -112,4 +105,40 @@ impl Simulation {
     pub fn energy_evaluations(&self) -> u64 {
         self.elastic.borrow().evaluations
     }
+}
+
+/// Energy of each body and then each net \[J\].
+fn elastic_energies(scene: &Scene, motion: Motion<'_>) -> impl Iterator<Item = f64> {
+    scene.effects[..scene.element_count()].iter().map(move |effect| effect.energy(motion))
+}
+
+/// All energies, with those of the other effects \[J\].
+fn energies(scene: &Scene, motion: Motion<'_>, kinetic: f64, elastic: f64) -> Energies {
+    let mut energies = Energies { kinetic, elastic, ..Energies::default() };
+    for effect in &scene.effects[scene.element_count()..] {
+        let kind = if effect.contact().is_some() { &mut energies.contact } else { &mut energies.potential };
+        *kind += effect.energy(motion);
+    }
+    energies
+}
+
+/// Kinetic energy at some velocities \[J\].
+fn kinetic_energy(scene: &Scene, v: &[f64]) -> f64 {
+    // 32 independent sums avoid a chain of dependent additions; their number is the same on every processor, so
+    // that the bits are too.
+    const SUMS: usize = 32;
+    let (speeds, v_rest) = v.as_chunks::<SUMS>();
+    let (mass, mass_rest) = scene.mass.as_chunks::<SUMS>();
+    let sums = Arch::new().dispatch(|| {
+        let mut sums = [0.0; SUMS];
+        for (v, mass) in speeds.iter().zip(mass) {
+            for ((sum, v), mass) in sums.iter_mut().zip(v).zip(mass) {
+                *sum += mass * v * v;
+            }
+        }
+        sums
+    });
+    let rest = v_rest.iter().zip(mass_rest).map(|(v, mass)| mass * v * v);
+    let lumped = 0.5 * sums.into_iter().chain(rest).sum::<f64>();
+    lumped + scene.coupled_energy(v)
 }

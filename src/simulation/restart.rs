@@ -8,9 +8,10 @@ use crate::{
     level::{Level, RunMode, SavedState},
     quantity::{Coordinate, Position, Reach, Time},
     report::{Counts, EffectCost},
-    scene::{Scene, SceneError},
+    scene::{ActingEffect, Scene, SceneError},
     state::State,
 };
+use std::sync::Arc;
 
 /// A moment of a run, with all that influences later steps.
 ///
@@ -26,6 +27,8 @@ pub struct Restart {
     guard: Guard,
     /// Checkpoints, the latest first: at most two.
     checkpoints: Vec<Earlier>,
+    /// The effects that acted, by which its contacts are named; `None` if they are those of any scene that it is for.
+    acting: Option<Arc<Vec<ActingEffect>>>,
 }
 
 /// A checkpoint of a [`Restart`].
@@ -63,6 +66,11 @@ impl Restart {
             restart.checkpoints.push(Earlier { state, guard });
         }
         Ok(restart)
+    }
+
+    /// The pull of the mouse.
+    pub const fn grab(&self) -> Option<Grab> {
+        self.grab
     }
 
     /// Number of floating-point numbers.
@@ -109,6 +117,7 @@ impl Simulation {
     /// Writes restart data into existing buffers.
     pub fn write_restart(&self, restart: &mut Restart) {
         restart.state.clone_from(&self.state);
+        restart.acting = Some(Arc::clone(&self.scene.acting));
         (restart.grab, restart.guard) = (self.grab, self.guard.clone());
         let kept = if self.stale || !self.is_guarded() {
             0
@@ -126,11 +135,17 @@ impl Simulation {
 
     /// Continues from restart data of this scene; clears the fault.
     pub fn resume(&mut self, from: &Restart) {
-        self.set_state(from.state.clone());
+        // With other effects or obstacles contacts have other names: they begin anew.
+        let is_same = from.acting.as_ref().is_none_or(|acting| *acting == self.scene.acting);
+        let mut state = from.state.clone();
+        if !is_same {
+            state.anchors.clear();
+        }
+        self.set_state(state);
         // Without a saved pull, that of scripted actions at this time applies.
         (self.grab, self.guard) = (from.grab.or(self.grab), from.guard.clone());
         let listed = self.state.slow_checks.len();
-        let mut both = from.checkpoints.iter().map(|earlier| {
+        let mut both = from.checkpoints.iter().filter(|_| is_same).map(|earlier| {
             let Earlier { mut state, guard } = earlier.clone();
             if state.slow_checks.len() != listed {
                 (state.slow_checks, state.calm_positions) = (Vec::new(), Vec::new());

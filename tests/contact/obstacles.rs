@@ -7,7 +7,7 @@ use gingerbread::{
     effects::EffectKind,
     files, levels,
     meshes::NoFiles,
-    obstacles::{Obstacle, ObstacleKind},
+    obstacles::{Obstacle, ObstacleKind, Similarity, Surfaces, placed},
     scene::Scene,
 };
 
@@ -172,5 +172,70 @@ fn distance_and_normal_of_ball_and_plane_match_geometry() {
         assert!(
             near.is_none_or(|contact| contact.normal == [0.0, 1.0] && (contact.distance - (y - 0.4)).abs() < 1e-15)
         );
+    }
+}
+
+/// Distances scale, normals turn, and what moves goes on moving as if it had been seen from elsewhere.
+#[test]
+fn arranged_obstacles_are_similar_ones() {
+    const MOVING: &str =
+        "Moving(obstacle: Cuboid(centre: (0.5, 0.5), width: 0.5, height: 0.2, turn: 30, eps: 0.02), motions: [
+        Turn(about: (0.1, 0.2), spin: 2), Swing(way: (0.3, 0.1), period: 1.5), Slide(velocity: (0.2, -0.1)),
+        Spline(points: [(0, (0, 0)), (1, (0.2, 0.1)), (2, (0.3, -0.4))])])";
+    let text = format!("(name: \"\", bodies: [], effects: [(effect: Walls(obstacles: [{ALL}, {MOVING}]))])");
+    let EffectKind::Walls(walls) = level(&text).effects.remove(0).effect else { unreachable!("{text}") };
+    assert_eq!(ObstacleKind::all().iter().filter(|kind| kind.kind().dimension() == 2).count(), walls.obstacles.len());
+    let mut random = Random(7);
+    for by in [
+        Similarity { to: [0.3, -0.2, 0.0], ..Similarity::NONE },
+        Similarity { from: [0.4, 0.1, 0.0], to: [0.4, 0.1, 0.0], turn: 77.0, ..Similarity::NONE },
+        Similarity { from: [0.4, 0.1, 0.0], to: [1.4, 0.6, 0.0], scale: 2.5, turn: -140.0 },
+    ] {
+        for kind in &walls.obstacles {
+            let arranged = kind.arranged(&by).unwrap();
+            let [before, after] = [kind, &arranged].map(|kind| kind.kind().build().unwrap());
+            let map = |[x, y]: [f64; 2]| {
+                let [x, y, _] = by.point([x, y, 0.0]);
+                [x, y]
+            };
+            for _ in 0..500 {
+                let point = [random.between(-0.5, 1.5), random.between(-0.5, 1.5)];
+                let contacts = [before.distance(point, 100.0), after.distance(map(point), 100.0)];
+                let [Some(one), Some(other)] = contacts else { unreachable!("{contacts:?}") };
+                assert!((other.distance - by.scale * one.distance).abs() < 1e-12, "{}: {contacts:?}", kind.name());
+                let [nx, ny, _] = by.direction([one.normal[0], one.normal[1], 0.0]);
+                // Between two sides at the same distance, either one is nearest.
+                let turned = (nx - other.normal[0]).hypot(ny - other.normal[1]) < 1e-9;
+                assert!(turned || one.distance < 0.0, "{}: {contacts:?}", kind.name());
+            }
+            let [x, y, _] = kind.kind().place();
+            let [px, py, _] = arranged.kind().place();
+            assert!((map([x, y])[0] - px).hypot(map([x, y])[1] - py) < 1e-12, "{}", kind.name());
+            for time in [0.0, 0.3, 1.7] {
+                let [at, then] = [kind, &arranged].map(|kind| placed::<2>(&kind.kind().motions(), time));
+                let ([x, y], [px, py]) = (map(at.point([0.3, 0.9])), then.point(map([0.3, 0.9])));
+                assert!((x - px).hypot(y - py) < 1e-12, "{}: {x} {y} {px} {py}", kind.name());
+            }
+        }
+    }
+    let far = Similarity { to: [f64::INFINITY, 0.0, 0.0], ..Similarity::NONE };
+    assert!(walls.obstacles.iter().all(|kind| kind.arranged(&far).is_none()), "a number out of range is refused");
+}
+
+/// In space obstacles are moved and scaled.
+#[test]
+fn arranged_obstacles_in_space_are_similar_ones() {
+    let by = Similarity { from: [0.1, 0.2, 0.3], to: [0.5, -0.2, 0.4], scale: 1.7, turn: 0.0 };
+    let mut random = Random(8);
+    let kinds = ObstacleKind::all().into_iter();
+    for kind in kinds.filter(|kind| kind.kind().dimension() == 3 && kind.kind().path().is_none()) {
+        let arranged = kind.arranged(&by).unwrap();
+        let [before, after] = [&kind, &arranged].map(|kind| kind.kind().build_in_space(&Surfaces::default()).unwrap());
+        for _ in 0..500 {
+            let point = [0, 1, 2].map(|_| random.between(-1.0, 1.0));
+            let contacts = [before.distance(point, 100.0), after.distance(by.point(point), 100.0)];
+            let [Some(one), Some(other)] = contacts else { unreachable!("{contacts:?}") };
+            assert!((other.distance - by.scale * one.distance).abs() < 1e-9, "{}: {contacts:?}", kind.name());
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Promises of the program in a terminal.
 
+#[path = "../common/arrays.rs"]
+mod arrays;
 mod claims;
 mod command_line;
 #[path = "../common/film.rs"]

@@ -3,9 +3,10 @@
 
 use crate::common::level;
 use gingerbread::{
-    command::Command,
-    level::Place,
+    command::{Command, Mode},
+    level::{EffectLevel, Place, SpacePlace, Switch},
     meshes::NoFiles,
+    obstacles::{ObstacleKind, Similarity},
     quantity::{Angle, Factor, Point},
     sandbox::Sandbox,
 };
@@ -65,4 +66,206 @@ fn what_cannot_move_with_a_body_is_refused_in_words() {
     assert!(refused("slides: [Left]", "").contains("rollers"));
     let load = "(effect: EdgeLoad(of: \"block\", edges: [Box((1, 0), (1, 0.5))], traction: (1, 0)))";
     assert!(refused("pins: [Left]", load).contains("edges"));
+}
+
+/// A block of jelly with friction that rests on two obstacles, one of which has corners, with a ball far away in the list before them.
+fn resting(integrator: &str) -> Sandbox {
+    let level = level(&format!(
+        "(name: \"block\", mode: Collide, substeps: 40, integrator: {integrator}(), bodies: [(name: \"block\",
+            mesh: Rectangle(width: 0.4, height: 0.2, columns: 8, rows: 4, diagonals: Alternating, corner: (0, 0.02)),
+            material: (model: Corotated, young: 20000, poisson: 0.3, plane: Strain), mass: Density(100))],
+          effects: [(effect: Gravity(down: 9.81)), (effect: Rayleigh(mass: 2, stiffness: 0.001)), (effect: Friction(coefficient: 0.8)),
+            (effect: Walls(obstacles: [Ball(centre: (3, 3), radius: 0.1, eps: 0.01),
+                Cuboid(centre: (0.05, -0.1), width: 0.2, height: 0.2, turn: 2, eps: 0.01),
+                Polygon(points: [(0.25, -0.1), (0.45, -0.1), (0.35, -0.005)], eps: 0.01)]))])"
+    ));
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+    run(&mut sandbox, 2.0);
+    assert!(greatest_speed(&sandbox) < 0.01, "it rests: {}", greatest_speed(&sandbox));
+    sandbox
+}
+
+fn run(sandbox: &mut Sandbox, seconds: f64) {
+    let steps = (seconds / sandbox.step_length()).round() as u64;
+    sandbox.advance(steps, &mut || true);
+    assert!(sandbox.simulation().fault().is_none(), "{:?}", sandbox.simulation().fault());
+}
+
+fn greatest_speed(sandbox: &Sandbox) -> f64 {
+    let v = &sandbox.simulation().state().v;
+    v.chunks_exact(2).map(|v| v[0].hypot(v[1])).fold(0.0, f64::max)
+}
+
+/// Changes the obstacles of the walls.
+fn with_obstacles(sandbox: &mut Sandbox, change: impl Fn(&mut Vec<ObstacleKind>)) {
+    let number = sandbox.document().level.effects.len() - 1;
+    let mut effect: EffectLevel = sandbox.document().level.effects[number].clone();
+    change(effect.effect.kind_mut().obstacles_mut().unwrap());
+    sandbox.apply(Command::SetEffect(number, effect)).unwrap();
+}
+
+/// Switches the damping, which comes before the walls.
+fn switch_damping(sandbox: &mut Sandbox, on: bool) {
+    let switch = if on { Switch::Auto } else { Switch::Off };
+    let damping = EffectLevel { switch, ..sandbox.document().level.effects[1].clone() };
+    sandbox.apply(Command::SetEffect(1, damping)).unwrap();
+}
+
+/// A moment of the run is what it was after a change that was taken back, and one of other obstacles begins its contacts anew.
+#[test]
+fn moments_keep_their_contacts_while_the_level_is_theirs() {
+    let mut hashes = [false, true].map(|changes| {
+        let mut sandbox = resting("SymplecticEuler");
+        if changes {
+            switch_damping(&mut sandbox, false);
+            switch_damping(&mut sandbox, true);
+            with_obstacles(&mut sandbox, |obstacles| drop(obstacles.remove(0)));
+            sandbox.apply(Command::Undo).unwrap();
+        }
+        sandbox.apply(Command::Rewind(0.5)).unwrap();
+        run(&mut sandbox, 0.3);
+        sandbox.simulation().state().hash()
+    });
+    assert_eq!(hashes[0], hashes[1]);
+    let mut sandbox = resting("SymplecticEuler");
+    with_obstacles(&mut sandbox, |obstacles| drop(obstacles.remove(0)));
+    sandbox.apply(Command::Rewind(0.5)).unwrap();
+    run(&mut sandbox, 0.3);
+    assert!(greatest_speed(&sandbox) < 0.5, "{}", greatest_speed(&sandbox));
+    hashes[0] = sandbox.simulation().state().hash();
+    assert!(hashes[0] != hashes[1], "its contacts began anew");
+}
+
+/// Contacts keep their memory when obstacles before or behind theirs come and go, and when other effects do.
+#[test]
+fn a_body_goes_on_resting_while_the_list_of_obstacles_changes() {
+    for integrator in ["SymplecticEuler", "ImplicitEuler", "RungeKutta4"] {
+        let mut alone = resting(integrator);
+        let mut changed = resting(integrator);
+        let before = changed.simulation().state().x.clone();
+        for change in 0..4 {
+            match change {
+                0 => with_obstacles(&mut changed, |obstacles| drop(obstacles.remove(0))),
+                1 => with_obstacles(&mut changed, |obstacles| {
+                    let far = Similarity { to: [5.0, 0.0, 0.0], ..Similarity::NONE };
+                    obstacles.push(obstacles[0].arranged(&far).unwrap());
+                }),
+                2 => {
+                    switch_damping(&mut changed, false);
+                    let (anchors, contacts) =
+                        (&changed.simulation().state().anchors, &alone.simulation().state().anchors);
+                    assert_eq!(anchors.len(), contacts.len());
+                    switch_damping(&mut changed, true);
+                }
+                _ => changed.apply(Command::Undo).unwrap(),
+            }
+            run(&mut changed, 0.1);
+            run(&mut alone, 0.1);
+            let [one, other] = [&changed, &alone].map(|sandbox| &sandbox.simulation().state().x);
+            let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-7, "{integrator}, change {change}: {apart}");
+        }
+        let [now, then] = [&changed.simulation().state().x, &before];
+        let gone = now.iter().zip(then).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(gone < 1e-3, "{integrator}: it did not drop, {gone}");
+    }
+}
+
+/// Lifts all obstacles by a length \[m\].
+fn lift(sandbox: &mut Sandbox, by: f64) {
+    let by = Similarity { to: [0.0, by, 0.0], ..Similarity::NONE };
+    with_obstacles(sandbox, |obstacles| {
+        for obstacle in obstacles {
+            *obstacle = obstacle.arranged(&by).unwrap();
+        }
+    });
+}
+
+/// What an obstacle is moved into comes out slowly, also where it touched that before, and at the start as if the level had been so.
+#[test]
+fn a_body_is_not_shot_away_by_an_obstacle_that_is_moved_into_it() {
+    for integrator in ["SymplecticEuler", "ImplicitEuler"] {
+        let mut sandbox = resting(integrator);
+        lift(&mut sandbox, 0.05);
+        for piece in 0..20 {
+            run(&mut sandbox, 0.05);
+            // Without another effect the walls have another number.
+            switch_damping(&mut sandbox, piece % 2 == 1);
+            // Half of the wave speed. It is pushed out at a tenth of that, and a strain of 0.05 / 0.2 gives a quarter.
+            assert!(greatest_speed(&sandbox) < 7.0, "{integrator}: {}", greatest_speed(&sandbox));
+        }
+        // In small steps, as a drag of the number makes them.
+        sandbox.apply(Command::Undo).unwrap();
+        sandbox.apply(Command::Reset).unwrap();
+        for _ in 0..10 {
+            lift(&mut sandbox, 0.005);
+        }
+        assert!(!sandbox.simulation().state().anchors.is_empty());
+        run(&mut sandbox, 0.01);
+        let dragged = sandbox.simulation().state().hash();
+        sandbox.apply(Command::Reset).unwrap();
+        run(&mut sandbox, 0.01);
+        assert_eq!(sandbox.simulation().state().hash(), dragged, "{integrator}");
+    }
+}
+
+/// The last obstacle goes as any other, in the plane and in space, and comes back by undo.
+#[test]
+fn all_obstacles_can_be_removed() {
+    for name in ["cornell_sphere", "jelly_disk"] {
+        let text = gingerbread::levels::built_in(name).unwrap();
+        let mut sandbox = Sandbox::new(gingerbread::files::parse(text, name).unwrap(), Box::new(NoFiles)).unwrap();
+        sandbox.apply(Command::SetMode(Mode::Collide)).unwrap();
+        let number =
+            sandbox.document().level.effects.iter().position(|e| !e.effect.kind().obstacles().is_empty()).unwrap();
+        let count = sandbox.document().level.effects[number].effect.kind().obstacles().len();
+        for _ in 0..count {
+            let mut effect = sandbox.document().level.effects[number].clone();
+            drop(effect.effect.kind_mut().obstacles_mut().unwrap().pop());
+            sandbox.apply(Command::SetEffect(number, effect)).unwrap();
+            sandbox.apply(Command::EndGesture).unwrap();
+            sandbox.advance(5, &mut || true);
+        }
+        for _ in 0..count {
+            sandbox.apply(Command::Undo).unwrap();
+        }
+        assert_eq!(sandbox.document().level.effects[number].effect.kind().obstacles().len(), count, "{name}");
+    }
+}
+
+/// Nets and membranes in space are moved with their pins, and come back by undo.
+#[test]
+fn what_is_in_space_is_put_elsewhere() {
+    let mut parts = 0;
+    for name in ["flag", "princeton_cloth", "gelatin", "tablecloth", "cornell_cloth"] {
+        let Some(text) = gingerbread::levels::built_in(name) else { continue };
+        let mut sandbox = Sandbox::new(gingerbread::files::parse(text, name).unwrap(), Box::new(NoFiles)).unwrap();
+        let level = sandbox.document().level.clone();
+        for part in 0..level.nets.len() + level.membranes.len() {
+            let seen = |sandbox: &Sandbox| {
+                let scene = sandbox.simulation().scene();
+                (scene.rest.clone(), scene.pins.to_vec(), scene.parts[part].vertices())
+            };
+            let (rest, pins, own) = seen(&sandbox);
+            let mut place = *sandbox.document().level.clone().space_mut(part).unwrap();
+            let [x, y, z] = place.offset.get();
+            place.offset = gingerbread::quantity::SpacePoint::new([x + 0.5, y - 0.25, z + 2.0]).unwrap();
+            sandbox.apply(Command::SetSpacePlace(part, place)).unwrap();
+            sandbox.apply(Command::EndGesture).unwrap();
+            let (moved, pinned, _) = seen(&sandbox);
+            assert_eq!(pinned, pins, "{name}");
+            for (number, (now, before)) in moved.iter().zip(&rest).enumerate() {
+                let by = if own.contains(&(number / 3)) { [0.5, -0.25, 2.0][number % 3] } else { 0.0 };
+                assert!((now - before - by).abs() <= 1e-14 * before.abs().max(1.0), "{name} {number}");
+            }
+            sandbox.advance(2, &mut || true);
+            sandbox.apply(Command::Undo).unwrap();
+            assert_eq!(seen(&sandbox).0, rest, "{name}");
+            parts += 1;
+        }
+        let beyond = level.nets.len() + level.membranes.len();
+        assert!(sandbox.apply(Command::SetSpacePlace(beyond, SpacePlace::default())).is_err(), "{name}");
+    }
+    assert!(parts >= 3);
 }

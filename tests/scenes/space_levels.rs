@@ -117,7 +117,9 @@ fn the_plane_and_space_are_not_mixed() {
     let error = Scene::build(&mixed, mixed.mode, &NoFiles, None).err().unwrap();
     assert!(matches!(error, SceneError::Mixed { .. }), "{error}");
     assert!(error.to_string().contains("\"flat\" is in the plane, but \"cloth\" is in space"), "{error}");
-    for effect in ["Boundary(least: (0, 0), greatest: (1, 1))", "Walls(obstacles: [])"] {
+    for effect in
+        ["Boundary(least: (0, 0), greatest: (1, 1))", "Walls(obstacles: [Ball(centre: (0, 0), radius: 1, eps: 0.01)])"]
+    {
         let walled = hanging(MEMBRANE, &format!("(effect: {effect})"));
         let error = Scene::build(&walled, walled.mode, &NoFiles, None).err().unwrap();
         assert!(error.to_string().contains("2 coordinates"), "{effect}: {error}");

@@ -4,6 +4,8 @@
 
 mod accuracy;
 mod advice;
+#[path = "../common/arrays.rs"]
+mod arrays;
 mod compare;
 #[path = "../common/film.rs"]
 mod film;

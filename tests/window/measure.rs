@@ -1,6 +1,6 @@
 //! The window as an instrument: zoom, slow motion, probes and their plots.
 
-use crate::harness::*;
+use crate::{arrays::array_of, folder::Folder, harness::*};
 use eframe::egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Role, TouchPhase, epaint::Primitive, vec2,
 };
@@ -248,4 +248,35 @@ fn known_results_are_shown_and_marked() {
     assert_eq!(window.query_all_by_label("met").count(), 0);
     choose(&mut window, "Gingerbread house");
     assert!(window.query_by_label("Known results").is_none());
+}
+
+/// The states of the last seconds become arrays, from the first moment to the one that is shown, with the energies of each.
+#[test]
+fn the_last_seconds_are_saved_as_arrays() {
+    let folder = Folder::new("recorded-states");
+    let path = folder.0.join("arm.npz");
+    let mut window = in_mode("gingerbread", Mode::Simulate);
+    let begin = window.state().snapshot().energies.total();
+    window.run_steps(20);
+    press(&mut window, Key::Space);
+    click(&mut window, "Level");
+    click(&mut window, "Save recorded states…");
+    type_path(&mut window, &path, "Save");
+    let archive = std::fs::read(&path).unwrap();
+    let numbers = |name| array_of(&archive, name).1.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect::<Vec<_>>();
+    let (now, times) = (window.state().snapshot(), numbers("time"));
+    assert!(times.len() > 10 && times[0] == 0.0 && times.last() == Some(&now.time), "{times:?}");
+    assert!(times.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 0.02), "{times:?}");
+    let (positions, count) = (numbers("positions"), now.positions.len());
+    assert_eq!(positions.len(), times.len() * count);
+    let simulation = window.state().sandbox().simulation();
+    assert_eq!(positions[positions.len() - count..], *simulation.scene().listed(&simulation.state().x));
+    let energies = numbers("energies");
+    let total = |row: usize| energies[4 * row..4 * row + 4].iter().sum::<f64>();
+    assert!((total(times.len() - 1) - now.energies.total()).abs() < 1e-9 * begin.abs().max(1.0));
+    assert!(energies[4 * (times.len() - 1)] > 0.0 && energies[0] < energies[4 * (times.len() - 1)], "it began to move");
+    // A toy has no vertices.
+    choose(&mut window, "Circle");
+    click(&mut window, "Level");
+    assert!(window.query_by_label("Save recorded states…").is_none());
 }

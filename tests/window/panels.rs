@@ -144,7 +144,7 @@ fn the_effects_panel_has_a_switch_for_every_effect() {
 #[test]
 fn sliders_of_walls_highlight_their_obstacle() {
     // High enough for all sliders.
-    let mut window = open_level(level("jelly_disk"), 1280.0, 1300.0);
+    let mut window = open_level(level("jelly_disk"), 1280.0, 1400.0);
     // How much is painted at the top of the ball, and at the tip of the wedge.
     let painted = |window: &Window| {
         let places = [[0.36, 0.45], [0.6, 0.17]].map(|point| on_screen(window, point));

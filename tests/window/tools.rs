@@ -3,7 +3,7 @@
 use crate::harness::*;
 use eframe::egui::{Event, Key, Modifiers, Pos2, Role, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
-use gingerbread::command::Mode;
+use gingerbread::{command::Mode, obstacles::ObstacleKind};
 
 /// Vertices of a scene in the plane that are seen between two corners.
 fn between(window: &Window, [least, greatest]: [Pos2; 2]) -> Vec<u32> {
@@ -324,7 +324,7 @@ fn bodies_are_moved_scaled_and_turned_by_handles() {
     let pinned = window.state().snapshot().pins.clone();
     assert_eq!(*pinned, [0]);
     click(&mut window, "Tool");
-    click(&mut window, "Arrange bodies");
+    click(&mut window, "Arrange");
     let place = |window: &Window| window.state().snapshot().level.bodies[0].place;
     let frame = |window: &Window| {
         let points =
@@ -371,4 +371,95 @@ fn bodies_are_moved_scaled_and_turned_by_handles() {
     assert_eq!(bodies.len(), 2);
     assert!(bodies[1].place.offset.get()[0] > 0.5 && bodies[1].name != bodies[0].name);
     assert_eq!(window.state().snapshot().pins.len(), 2, "the copy is pinned like it");
+    // A click on a body with the tool chooses it in the panel too.
+    let copy = bodies[1].name.clone();
+    click(&mut window, "Tool");
+    click(&mut window, "Arrange");
+    let first = on_screen(&window, vertex(&window, 0)) + vec2(0.0, 6.0);
+    click_at(&mut window, first);
+    widget(&window, Role::Button, "Remove this body").scroll_to_me();
+    window.run_steps(30);
+    click(&mut window, "Remove this body");
+    assert_eq!(window.state().snapshot().level.bodies.iter().map(|body| &body.name).collect::<Vec<_>>(), [&copy]);
+}
+
+/// Obstacles are arranged as bodies are; the scene goes on. What is not shown cannot be chosen.
+#[test]
+fn obstacles_are_arranged_by_handles_and_numbers() {
+    let mut window = open("jelly_disk");
+    let obstacles =
+        |window: &Window| window.state().snapshot().level.effects.last().unwrap().effect.kind().obstacles().to_vec();
+    let before = obstacles(&window);
+    click(&mut window, "Tool");
+    click(&mut window, "Arrange");
+    let ball = on_screen(&window, [0.36, 0.36]);
+    drag(&mut window, &[ball, ball + vec2(10.0, 5.0), ball + vec2(40.0, 20.0)], Modifiers::NONE);
+    let moved = obstacles(&window);
+    let [x, y, _] = moved[0].kind().place();
+    assert!((on_screen(&window, [x, y]) - ball - vec2(40.0, 20.0)).length() < 0.5, "{moved:?}");
+    assert_eq!((&moved[1..], window.state().snapshot().steps), (&before[1..], 0));
+    // A corner of its frame twice as far from the centre doubles it.
+    let (centre, right) = (on_screen(&window, [x, y]), on_screen(&window, [x + 0.09, y - 0.09]));
+    drag(&mut window, &[right, right + (right - centre) * 0.5, right + (right - centre)], Modifiers::NONE);
+    let radius = |window: &Window| match &obstacles(window)[0] {
+        ObstacleKind::Ball(ball) => ball.radius.get(),
+        other => panic!("{other:?}"),
+    };
+    assert!((radius(&window) - 0.16).abs() < 0.002, "{}", radius(&window));
+    for _ in 0..2 {
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(obstacles(&window), before, "two changes");
+    // Exact numbers, copies and removal.
+    window.get_by_label("Arrange obstacles").scroll_to_me();
+    window.run_steps(30);
+    click(&mut window, "Arrange obstacles");
+    window.run_steps(30);
+    type_number(&mut window, "Ball: x", "0.3");
+    assert_eq!(obstacles(&window)[0].kind().place()[0], 0.3);
+    click(&mut window, "Copy Cuboid");
+    let all = obstacles(&window);
+    assert_eq!((all.len(), all[3].name()), (4, "Cuboid"));
+    assert!(all[3].kind().place()[0] > 1.0, "beside everything: {:?}", all[3]);
+    click(&mut window, "Remove Polygon");
+    assert_eq!(obstacles(&window).iter().map(ObstacleKind::name).collect::<Vec<_>>(), ["Ball", "Cuboid", "Cuboid"]);
+    click(&mut window, "Add an obstacle");
+    click(&mut window, "Plane");
+    assert_eq!(obstacles(&window).last().unwrap().name(), "Plane");
+    for _ in 0..4 {
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(obstacles(&window), before, "one change each");
+    // The scene goes on with another obstacle, and what acts in collide mode alone is not there to be chosen in simulate mode.
+    press(&mut window, Key::T);
+    window.run_steps(20);
+    let steps = window.state().snapshot().steps;
+    assert!(steps > 0);
+    drag(&mut window, &[ball, ball + vec2(10.0, 5.0), ball + vec2(-20.0, -30.0)], Modifiers::NONE);
+    assert!(obstacles(&window) != before && window.state().snapshot().steps >= steps);
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    press(&mut window, Key::M);
+    window.run_steps(5);
+    drag(&mut window, &[ball, ball + vec2(10.0, 5.0), ball + vec2(-20.0, -30.0)], Modifiers::NONE);
+    assert_eq!(obstacles(&window), before);
+}
+
+/// An obstacle that moves is gripped where it is seen at the start, and moves along.
+#[test]
+fn a_moving_obstacle_is_arranged_where_it_is_seen() {
+    let mut window = open("press");
+    let plate = |window: &Window| {
+        let effects = &window.state().snapshot().level.effects;
+        let all = effects.iter().flat_map(|effect| effect.effect.kind().obstacles());
+        all.map(|kind| kind.kind().place()).next().unwrap()
+    };
+    let before = plate(&window);
+    click(&mut window, "Tool");
+    click(&mut window, "Arrange");
+    // It swings from 0.09 m on the left of its place on.
+    let seen = on_screen(&window, [before[0] - 0.09, 0.3]);
+    drag(&mut window, &[seen, seen + vec2(-5.0, 5.0), seen + vec2(-20.0, 30.0)], Modifiers::NONE);
+    let after = plate(&window);
+    let moved = on_screen(&window, [after[0], after[1]]) - on_screen(&window, [before[0], before[1]]);
+    assert!((moved - vec2(-20.0, 30.0)).length() < 0.5, "{moved:?}");
 }

@@ -179,10 +179,12 @@ impl Canvas {
         self.ruler.follow(&response, sight, (snapshot, points), tool == Tool::Ruler);
         let around = around(ui, snapshot, tool);
         commands.extend(self.enclosure.follow(&response, around, (snapshot, points)));
-        let under = self.pointed_triangle(&response, &frame).filter(|_| matches!(tool, Tool::Refine | Tool::Arrange));
+        let under = self.pointed_triangle(&response, &frame).filter(|_| tool == Tool::Refine);
         commands.extend(self.refining.follow(&response, tool == Tool::Refine, snapshot, under));
         let arranges = tool == Tool::Arrange && space.is_none() && snapshot.level.test.is_none();
-        if let Some(change) = self.arranging.follow(&response, arranges, (snapshot, &camera), under) {
+        if let Some(change) =
+            self.arranging.follow(&response, arranges, (snapshot, &camera), &|at| self.bodies.triangle_at(snapshot, at))
+        {
             commands.extend([change, Command::EndGesture]);
         }
         commands.extend(self.note(&response, &frame).filter(|_| tool == Tool::Note));
@@ -265,6 +267,11 @@ impl Canvas {
     /// The tool that was chosen on the stage since the last call.
     pub const fn take_tool(&mut self) -> Option<Tool> {
         self.chosen_tool.take()
+    }
+
+    /// The body that was chosen on the stage since the last call, by its number.
+    pub const fn take_body(&mut self) -> Option<usize> {
+        self.arranging.take_body()
     }
 
     /// What was probed since the last call.

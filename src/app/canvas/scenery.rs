@@ -44,7 +44,7 @@ impl Scenery {
         }
         for (effect, (shapes, presence)) in snapshot.level.effects.iter().zip(&mut self.effects) {
             let now = effect.effect.kind().shapes(snapshot.time, &snapshot.elements.surfaces);
-            let wanted = if now.is_empty() { 0.0 } else { wanted(effect, snapshot.mode) };
+            let wanted = if now.is_empty() { 0.0 } else { presence_in(snapshot.mode, effect) };
             let step = if known { dt / FADE } else { 1.0 };
             let next = *presence + (wanted - *presence).clamp(-step, step);
             self.changed |= *shapes != now || *presence != next;
@@ -136,7 +136,7 @@ impl Scenery {
 }
 
 /// Target presence of an effect in a mode.
-fn wanted(effect: &EffectLevel, mode: Mode) -> f32 {
+pub fn presence_in(mode: Mode, effect: &EffectLevel) -> f32 {
     match (effect.switch, effect.when, mode) {
         (Switch::Off, ..) | (_, When::Collide, Mode::Simulate) => 0.0,
         (_, When::Collide, Mode::Edit) => PALE,

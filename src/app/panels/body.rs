@@ -10,11 +10,11 @@ use crate::{
     app::{canvas::Tool, files::stem, numbers},
     command::{Command, Pose},
     elements::ElementKind,
-    level::{MassLevel, MembraneLevel, NetLevel, Pin, Place},
+    level::{MassLevel, MembraneLevel, NetLevel, Pin, Place, SpacePlace},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     outlines::{Shape, to_svg},
-    quantity::{Cells, Density, Mass, OutOfRange, Point, Quantity, Rings, Tolerance, Triangles},
+    quantity::{Cells, Density, Mass, OutOfRange, Point, Quantity, Rings, SpacePoint, Tolerance, Triangles},
     snapshot::Snapshot,
 };
 use eframe::egui::{ComboBox, RichText, Ui};
@@ -67,6 +67,9 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             }
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
+            if let Some(place) = listed.space {
+                space_place(ui, number, place, view, commands);
+            }
             pins(ui, view.body, &listed.pins, view, commands);
             if now.nets.get(number).is_some_and(|net| !net.faces.is_empty()) {
                 finish::show(ui, number, &listed.finish, number + level.membranes.len(), view, commands);
@@ -75,6 +78,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         {
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, (number, view.body), listed, area, view, commands);
+            space_place(ui, number + level.nets.len(), listed.space, view, commands);
             pins(ui, view.body, &listed.pins, view, commands);
             refinement(ui, now, &listed.mesh, None, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
@@ -293,7 +297,29 @@ fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands
         apply_response(sum, Some(Command::SetPlace(number, place)), view, commands);
     })
     .header_response
-    .on_hover_text("Where the origin of its mesh is at the start, and how the body is turned and scaled about that. The tool Arrange bodies does the same by hand.");
+    .on_hover_text("Where the origin of its mesh is at the start, and how the body is turned and scaled about that. The tool Arrange does the same by hand.");
+}
+
+/// Draws where a net or membrane (by number: nets first) is in space, and how it is turned.
+fn space_place(ui: &mut Ui, number: usize, mut place: SpacePlace, view: &mut View, commands: &mut Vec<Command>) {
+    ui.collapsing("Place", |ui| {
+        let SpacePlace { turn: (about_x, about_y, about_z), offset: SpacePoint(x, y, z), .. } = &mut place;
+        let numbers: [(&str, &mut dyn Quantity); 6] = [
+            ("place x", x),
+            ("place y", y),
+            ("place z", z),
+            ("turn about x", about_x),
+            ("turn about y", about_y),
+            ("turn about z", about_z),
+        ];
+        let mut sum = widgets::SliderResponse::default();
+        for (name, quantity) in numbers {
+            sum.add(widgets::named_quantity(ui, name, quantity));
+        }
+        apply_response(sum, Some(Command::SetSpacePlace(number, place)), view, commands);
+    })
+    .header_response
+    .on_hover_text("Where the origin of its flat shape is at the start, and how that is turned: about x first, then y, then z. Another place starts over.");
 }
 
 /// The mesh before all refinements, whose numbers can be changed.

@@ -1,6 +1,6 @@
 //! Panel of effects: a switch and sliders for each.
 
-use super::{View, apply_response, heading, sliders, widgets};
+use super::{View, apply_response, heading, obstacles, sliders, widgets};
 use crate::{
     command::Command,
     effects::{EffectKind, Group},
@@ -15,8 +15,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     }
     heading(ui, "Effects");
     for (index, effect) in now.level.effects.iter().enumerate() {
-        let dimension = now.elements.dimension();
-        ui.push_id(("effect", index), |ui| one(ui, (index, effect), dimension, view, commands));
+        ui.push_id(("effect", index), |ui| one(ui, (index, effect), now, view, commands));
     }
     add(ui, now, commands);
 }
@@ -57,7 +56,7 @@ fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Comm
 fn one(
     ui: &mut Ui,
     (index, effect): (usize, &EffectLevel),
-    dimension: usize,
+    now: &Snapshot,
     view: &mut View,
     commands: &mut Vec<Command>,
 ) {
@@ -77,13 +76,16 @@ fn one(
             ui.label(note).on_hover_text("Acts in collide mode only. [T] switches to that mode.");
         }
     });
+    if on {
+        obstacles::show(ui, (index, effect), now, view, commands);
+    }
     let mut changed = effect.clone();
     if !on || changed.effect.kind_mut().groups().iter().all(|group| group.numbers.is_empty()) {
         return;
     }
     let mut sum = widgets::SliderResponse::default();
     ui.indent("parameters", |ui| {
-        for (name, formula) in changed.effect.kind_mut().formulas().into_iter().take(dimension) {
+        for (name, formula) in changed.effect.kind_mut().formulas().into_iter().take(now.elements.dimension()) {
             sum.add(widgets::formula(ui, name, formula));
         }
         let mut groups = changed.effect.kind_mut().groups();

@@ -14,6 +14,7 @@ mod hard;
 mod ledger;
 mod measure;
 mod notes;
+mod obstacles;
 mod overlays;
 mod plotting;
 mod scheme;
@@ -204,6 +205,8 @@ pub enum FileRequest {
     SaveAgain,
     /// Ask for a file name and save the data of a plot.
     Export(Export),
+    /// Ask for a file name and save the states of the last seconds as arrays.
+    RecordedStates,
     /// Open this file. Other files that were dropped together with it are ignored.
     File(PathBuf, Vec<PathBuf>),
     /// Close the window.

@@ -126,6 +126,11 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             view.file = Some(FileRequest::Save);
             ui.close();
         }
+        let about = "Save the states of the last seconds as arrays for NumPy (.npz): times, positions, velocities, energies, triangles and springs.";
+        if context.now.toy.is_none() && ui.button("Save recorded states…").on_hover_text(about).clicked() {
+            view.file = Some(FileRequest::RecordedStates);
+            ui.close();
+        }
         let about = "Copy a link to the page in a browser that opens this level at its start, with pins, sliders and view as they are now.";
         if ui.button("Copy link").on_hover_text(about).clicked() {
             view.notice = Some(copy_link(ui, context));

@@ -146,10 +146,21 @@ pub fn number(
 
 /// Draws the row with the name and the number field, and returns a new value.
 pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
+    typed_as(ui, &capitalised(options.name), options, value, outcome)
+}
+
+/// The same with a shorter word in place of the name, where what is around it tells the rest.
+pub fn typed_as(
+    ui: &mut Ui,
+    word: &str,
+    options: &SliderOptions<'_>,
+    value: f64,
+    outcome: &mut SliderResponse,
+) -> Option<f64> {
     let mut chosen = None;
     let not_a_number = RefCell::new(None);
     ui.horizontal(|ui| {
-        let label = ui.label(capitalised(options.name)).on_hover_text(options.help);
+        let label = ui.label(word).on_hover_text(options.help);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let shown = numbers::si_edited(value, options.unit);
             let widget = DragValue::from_get_set(|new| {
@@ -170,7 +181,7 @@ pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut
                 }
                 number
             });
-            let response = ui.add(widget).labelled_by(label.id);
+            let response = ui.add(widget).labelled_by(label.id).accessible_name(capitalised(options.name));
             outcome.ended |= response.drag_stopped() || response.lost_focus();
             response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k, 2.5e4 or 1/3.", options.help));
         });

@@ -11,7 +11,7 @@ pub use spline::Spline;
 pub use swing::Swing;
 pub use turn::Turn;
 
-use super::Rigid;
+use super::{Rigid, Similarity};
 use crate::{quantity::Quantity, registry::registry};
 
 registry! {
@@ -31,6 +31,9 @@ pub trait Motion {
 
     /// Whether it needs a third coordinate.
     fn is_in_space(&self) -> bool;
+
+    /// Moves, scales and turns it with its obstacle. `None` if a number would leave its range.
+    fn arrange(&mut self, by: &Similarity) -> Option<()>;
 
     /// The numbers a panel may change.
     fn parameters(&mut self) -> Vec<&mut dyn Quantity>;

@@ -1,6 +1,6 @@
 //! Motion: uniform translation.
 
-use super::{Motion, Rigid};
+use super::{Motion, Rigid, Similarity};
 use crate::quantity::{Quantity, Time, Velocity, VelocityX, VelocityY};
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +49,16 @@ impl Motion for Slide {
 
     fn is_in_space(&self) -> bool {
         self.velocity_z.is_some()
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        let ((x, y), z) = (self.velocity, self.velocity_z.map_or(0.0, Velocity::get));
+        let [x, y, z] = by.displacement([x.get(), y.get(), z]);
+        self.velocity = (VelocityX::new(x).ok()?, VelocityY::new(y).ok()?);
+        if let Some(velocity) = &mut self.velocity_z {
+            *velocity = Velocity::new(z).ok()?;
+        }
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

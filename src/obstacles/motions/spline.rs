@@ -1,6 +1,6 @@
 //! Motion: a smooth path through points at given times.
 
-use super::{Motion, Rigid};
+use super::{Motion, Rigid, Similarity};
 use crate::quantity::{Coordinate, Point, Position, Quantity, Time};
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +77,13 @@ impl Motion for Spline {
 
     fn is_in_space(&self) -> bool {
         self.points.iter().any(|(_, point)| point.dimension() == 3)
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        for (_, displacement) in &mut self.points {
+            *displacement = by.of_displacement(*displacement)?;
+        }
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

@@ -1,6 +1,6 @@
 //! Motion: harmonic oscillation along a line.
 
-use super::{Motion, Rigid};
+use super::{Motion, Rigid, Similarity};
 use crate::quantity::{Angle, Coordinate, Period, Point, Position, Quantity};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,11 @@ impl Motion for Swing {
 
     fn is_in_space(&self) -> bool {
         self.way.dimension() == 3
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.way = by.of_displacement(self.way)?;
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

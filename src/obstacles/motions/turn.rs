@@ -1,6 +1,6 @@
 //! Motion: rotation about a point, or in space about an axis.
 
-use super::{Motion, Rigid};
+use super::{Motion, Rigid, Similarity};
 use crate::quantity::{Coordinate, Point, Position, Quantity, SpacePoint, Spin};
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +49,11 @@ impl Motion for Turn {
 
     fn is_in_space(&self) -> bool {
         self.axis.is_some() || self.about.dimension() == 3
+    }
+
+    fn arrange(&mut self, by: &Similarity) -> Option<()> {
+        self.about = by.of_position(self.about)?;
+        Some(())
     }
 
     fn parameters(&mut self) -> Vec<&mut dyn Quantity> {

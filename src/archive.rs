@@ -1,12 +1,51 @@
 //! States of a run over time for `NumPy`: one archive (`.npz`) of arrays. The format of each array is that of `numpy.lib.format`, version 1.0, and the
 //! archive is a ZIP file without compression, as `numpy.savez` writes it.
 
-use super::frames::Listed;
-use crate::{scene::Scene, simulation::Simulation};
+use crate::{report::Energies, scene::Scene, state::State};
 use rawzip::{CompressionMethod, ZipArchiveWriter};
-use std::{io::Write as _, path::Path};
+use std::io::Write as _;
 
-/// States that are kept until the run ends.
+/// Vertices, triangles and springs of a scene as its level lists them.
+pub struct Listed {
+    /// Place of each vertex of the scene.
+    pub vertices: Vec<usize>,
+    /// Place of each triangle of the scene, and its corners by their places.
+    pub triangles: Vec<(usize, [usize; 3])>,
+    /// Ends of all springs, by their places.
+    pub springs: Vec<[usize; 2]>,
+}
+
+impl Listed {
+    /// Those of a scene.
+    ///
+    /// # Errors
+    /// If it is a toy.
+    pub fn new(scene: &Scene) -> Result<Self, String> {
+        if scene.toy.is_some() {
+            return Err("a toy has no vertices".to_owned());
+        }
+        let count = scene.start.x.len() / scene.dimension;
+        let vertices: Vec<_> = (0..count).map(|vertex| scene.listed_vertex(vertex).unwrap_or(vertex)).collect();
+        let place = |vertex: u32| vertices[vertex as usize];
+        let membranes = scene.membranes.iter().flat_map(|membrane| membrane.elements.corners());
+        let corners = scene.triangles.iter().chain(membranes).enumerate();
+        let triangles = corners
+            .map(|(number, corners)| (scene.listed_triangle(number).unwrap_or(number), corners.map(place)))
+            .collect();
+        let links = scene.nets.iter().flat_map(|net| net.springs.links());
+        let springs = links.map(|link| link.ends.map(place)).collect();
+        Ok(Self { vertices, triangles, springs })
+    }
+
+    /// Corners of the triangles, in the order of the level.
+    pub fn corners(&self) -> Vec<[usize; 3]> {
+        let mut corners = vec![[0; 3]; self.triangles.len()];
+        self.triangles.iter().for_each(|(place, own)| corners[*place] = *own);
+        corners
+    }
+}
+
+/// States that are kept until all are there.
 pub struct States {
     listed: Listed,
     dimension: usize,
@@ -18,21 +57,17 @@ pub struct States {
 }
 
 impl States {
-    /// No states yet. The name of their file must end in `.npz`.
+    /// No states yet.
     ///
     /// # Errors
-    /// If the name has another ending, or the scene is a toy.
-    pub fn new(path: &Path, scene: &Scene) -> Result<Self, String> {
-        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("npz")) {
-            return Err("the name of the archive must end in .npz".to_owned());
-        }
+    /// If the scene is a toy.
+    pub fn new(scene: &Scene) -> Result<Self, String> {
         let (listed, dimension) = (Listed::new(scene)?, scene.dimension);
         Ok(Self { listed, dimension, times: Vec::new(), motion: [Vec::new(), Vec::new()], energies: Vec::new() })
     }
 
-    /// Keeps a state.
-    pub fn record(&mut self, simulation: &Simulation) {
-        let (scene, state, energies) = (simulation.scene(), simulation.state(), simulation.energies());
+    /// Keeps a state of the scene with its energies.
+    pub fn record(&mut self, scene: &Scene, state: &State, energies: &Energies) {
         self.times.push(state.time);
         for (all, own) in self.motion.iter_mut().zip([&state.x, &state.v]) {
             all.extend_from_slice(&scene.listed(own));

@@ -161,7 +161,14 @@ fn the_window_outlives_random_hands() {
     std::env::set_current_dir(&folder.0).unwrap();
     let bad = folder.0.join("bad.ron");
     std::fs::write(&bad, "(name: \"bad\", bodys: [])").unwrap();
-    let files = [bad, root.join("levels/chain.ron"), root.join("levels/jelly_disk.ron"), root.join("README.md")];
+    // They save over what was dropped, too.
+    let copied = |path: &str| {
+        let copy = folder.0.join(std::path::Path::new(path).file_name().unwrap());
+        std::fs::copy(root.join(path), &copy).unwrap();
+        copy
+    };
+    let [chain, disk, readme] = ["levels/chain.ron", "levels/jelly_disk.ron", "README.md"].map(copied);
+    let files = [bad, chain, disk, readme];
     let mut numbers = Numbers(1);
     for name in names {
         let mut done = Done(format!("open {name}\n"));

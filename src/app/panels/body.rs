@@ -290,10 +290,7 @@ fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands
         let Place { scale, turn, offset: Point(x, y) } = &mut place;
         let numbers: [(&str, &mut dyn Quantity); 4] =
             [("place x", x), ("place y", y), ("turn", turn), ("scale", scale)];
-        let mut sum = widgets::SliderResponse::default();
-        for (name, quantity) in numbers {
-            sum.add(widgets::named_quantity(ui, name, quantity));
-        }
+        let sum = widgets::named_quantities(ui, numbers);
         apply_response(sum, Some(Command::SetPlace(number, place)), view, commands);
     })
     .header_response
@@ -312,10 +309,7 @@ fn space_place(ui: &mut Ui, number: usize, mut place: SpacePlace, view: &mut Vie
             ("turn about y", about_y),
             ("turn about z", about_z),
         ];
-        let mut sum = widgets::SliderResponse::default();
-        for (name, quantity) in numbers {
-            sum.add(widgets::named_quantity(ui, name, quantity));
-        }
+        let sum = widgets::named_quantities(ui, numbers);
         apply_response(sum, Some(Command::SetSpacePlace(number, place)), view, commands);
     })
     .header_response

@@ -59,6 +59,18 @@ pub fn named_quantity(ui: &mut Ui, name: &str, quantity: &mut dyn Quantity) -> S
     number(ui, &options, value, &mut |new| quantity.set(new).map_err(|error| error.to_string()))
 }
 
+/// The same for several, with their names.
+pub fn named_quantities<'a>(
+    ui: &mut Ui,
+    numbers: impl IntoIterator<Item = (&'a str, &'a mut dyn Quantity)>,
+) -> SliderResponse {
+    let mut sum = SliderResponse::default();
+    for (name, number) in numbers {
+        sum.add(named_quantity(ui, name, number));
+    }
+    sum
+}
+
 /// Draws a field for a formula of a point, with its name and an error in words below it.
 pub fn formula(ui: &mut Ui, name: &str, formula: &mut PointFormula) -> SliderResponse {
     let help = "A formula of x, y, z [m], vx, vy, vz [m/s] and t [s], such as -2*x^2 + sin(3*t). Functions: sin, cos, tan, \

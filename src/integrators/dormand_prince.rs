@@ -80,6 +80,9 @@ const NODES: [f64; 6] = [1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
+/// Numbers whose shares of the error are computed together.
+const CHUNK: usize = 64;
+
 /// Safety factor of the controller.
 const SAFETY: f64 = 0.9;
 /// Exponent of the error before (beta of the PI controller).
@@ -152,24 +155,55 @@ impl FirstOrder for DormandPrince {
 impl DormandPrince {
     /// The estimated error as a share of the tolerance: root mean square over all numbers.
     fn error(&self, x: &[f64], next: &[f64], rates: &[&mut [f64]; 7], h: f64) -> f64 {
+        let (absolute, relative) = (self.absolute.get(), self.relative.get());
         let mut sum = 0.0;
-        for (number, (x, next)) in x.iter().zip(next).enumerate() {
-            let error: f64 = ERROR.iter().zip(rates).map(|(weight, rate)| weight * rate[number]).sum();
-            let share = h * error / (self.absolute.get() + self.relative.get() * x.abs().max(next.abs()));
-            sum += share * share;
+        let mut shares = [0.0; CHUNK];
+        for start in (0..x.len()).step_by(CHUNK) {
+            let range = start..(start + CHUNK).min(x.len());
+            let shares = &mut shares[..range.len()];
+            let ([x, next], rates) =
+                ([x, next].map(|all| &all[range.clone()]), rates.each_ref().map(|rate| &rate[range.clone()]));
+            weighted_sums(&ERROR, rates, shares, |number, error| {
+                h * error / (absolute + relative * x[number].abs().max(next[number].abs()))
+            });
+            sum = shares.iter().fold(sum, |sum, share| sum + share * share);
         }
         (sum / x.len().max(1) as f64).sqrt()
     }
 }
 
+/// Writes what a function makes of each number and the weighted sum of its rates. The number of rates is known to the
+/// compiler, so that it makes vectors of the sums.
+#[inline(always)]
+fn weighted_sums<const N: usize>(
+    weights: &[f64; N],
+    rates: [&[f64]; N],
+    out: &mut [f64],
+    result: impl Fn(usize, f64) -> f64,
+) {
+    let rates = rates.map(|rate| &rate[..out.len()]);
+    for (number, out) in out.iter_mut().enumerate() {
+        let mut sum = weights[0] * rates[0][number];
+        for (weight, rate) in weights.iter().zip(rates).skip(1) {
+            sum += weight * rate[number];
+        }
+        *out = result(number, sum);
+    }
+}
+
+/// The positions and velocities of a stage: `x + h` times the weighted sum of the N rates before.
+fn stage<const N: usize>(x: &[f64], next: &mut [f64], rates: &[&mut [f64]; 7], h: f64) {
+    let weights: [f64; N] = std::array::from_fn(|before| STAGES[N - 1][before]);
+    let x = &x[..next.len()];
+    weighted_sums(&weights, std::array::from_fn(|before| &*rates[before]), next, |number, along| x[number] + h * along);
+}
+
 /// The result of one inner step from a time since the start of the step and with a length \[s\], and its rates; the last is
 /// that at the result.
 fn stages(system: &mut dyn Ode, x: &[f64], next: &mut [f64], rates: &mut [&mut [f64]; 7], [start, h]: [f64; 2]) {
-    for (stage, weights) in STAGES.iter().enumerate() {
-        for (number, (next, x)) in next.iter_mut().zip(x).enumerate() {
-            let along: f64 = weights.iter().zip(&*rates).map(|(weight, rate)| weight * rate[number]).sum();
-            *next = x + h * along;
-        }
-        system.rate(start + NODES[stage] * h, next, rates[stage + 1]);
+    let stages = [stage::<1>, stage::<2>, stage::<3>, stage::<4>, stage::<5>, stage::<6>];
+    for (before, stage) in stages.into_iter().enumerate() {
+        stage(x, next, rates, h);
+        system.rate(start + NODES[before] * h, next, rates[before + 1]);
     }
 }

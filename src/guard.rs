@@ -148,6 +148,16 @@ impl Guard {
         (self.put_in, self.least, self.work) = (earlier.put_in, earlier.least, earlier.work);
     }
 
+    /// Restores the available energy of an earlier moment: what was available in steps that are taken back never was.
+    pub const fn restore_available(&mut self, earlier: &Self) {
+        self.reference = earlier.reference;
+    }
+
+    /// Greatest available energy at a check since the last change from outside \[J\].
+    pub const fn available(&self) -> f64 {
+        self.reference
+    }
+
     /// Work of moving obstacles since the state was set \[J\].
     pub const fn work(&self) -> f64 {
         self.work
@@ -160,12 +170,6 @@ impl Guard {
         if let Some(put_in) = &mut self.put_in {
             *put_in += work;
         }
-    }
-
-    /// Whether a scene can have supplied energy up to this total \[J\]: at most 100 times the energy of its elements at a
-    /// strain of one, or the energy at the start.
-    pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
-        total <= 100.0 * scale(scene).max(self.start.abs())
     }
 
     /// Whether elements store more than anything can have supplied, even a fast obstacle. The apparent work of an obstacle
@@ -249,13 +253,6 @@ impl Guard {
     /// oscillates widely.
     pub fn refine_further(&mut self, most: u32) {
         self.level = (self.level + 1).min(most.max(self.level));
-    }
-
-    /// Accepts the energies as supplied by the scene, and goes back to the steps of an earlier moment.
-    pub fn accept(&mut self, earlier: &Self, energies: Energies) {
-        self.restore_level(earlier.level);
-        self.retry_after = earlier.retry_after;
-        (self.put_in, self.least) = (Some(energies.total()), energies.total());
     }
 
     /// Restores an earlier refinement level.

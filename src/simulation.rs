@@ -226,6 +226,11 @@ impl Simulation {
         (self.is_guarded() && !self.guard.is_new()).then(|| self.energies())
     }
 
+    /// Greatest energy that the guard found available since the last change from outside \[J\].
+    pub const fn available_energy(&self) -> f64 {
+        self.guard.available()
+    }
+
     /// Revision number; changes with the scene, the state and the pull.
     pub const fn revision(&self) -> u64 {
         self.revision
@@ -547,12 +552,10 @@ impl Simulation {
     }
 
     /// Replays from the checkpoint to a failed step in shorter steps, as far as the guard allows; sets a fault just
-    /// before the step if that fails. Returns whether the step was taken.
-    ///
-    /// Where the three shortest step lengths agree on the energy gain, the scene supplied it, such as a wall that begins inside a
-    /// body. Longer ones may agree by chance. Steps that an error-controlled scheme gave up are not divided: it has tried shorter ones itself.
+    /// before the step if that fails. Returns whether the step was taken. Steps that an error-controlled scheme gave up are not divided: it
+    /// has tried shorter ones itself.
     fn retake(&mut self) -> bool {
-        let (failed, finite, earlier_guard) = (self.state.steps, self.state.is_finite(), self.guard.clone());
+        let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
         self.scratch.clear_box = None;
         // Unexplained energy arose before it was detected.
         if finite && self.joined {
@@ -560,15 +563,14 @@ impl Simulation {
             self.joined = false;
         }
         let began = self.checkpoint.state.steps;
-        let mut gains = vec![(failed, self.energies().total())];
         let most = Guard::most_level(self.multirate.shortest(self.scene.step));
         let gave_up = !finite && self.scene.integrator.kind().class() == Class::ErrorControlled;
         while self.is_guarded() && !gave_up && self.guard.refine(most) {
             self.go_back_to(began);
+            self.guard.restore_available(&self.checkpoint.guard);
             self.taken_back = Some(self.taken_back.map_or(began, |earlier| earlier.min(began)));
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;
-            let start = self.energies().total();
             let mut sound = true;
             while sound && self.state.steps < failed {
                 self.step();
@@ -579,20 +581,10 @@ impl Simulation {
                 self.stale = true;
                 return true;
             }
-            gains.push((self.state.steps, self.energies().total()));
-            if self.guard.level() == most
-                && let [.., (a, x), (b, y), (c, z)] = gains[..]
-                && (a, b) == (b, c)
-                && (x - z).abs().max((y - z).abs()) < 0.2 * (z - start)
-                && self.guard.is_possible(&self.scene, z)
-            {
-                self.guard.accept(&earlier_guard, self.energies());
-                self.stale = true;
-                return true;
-            }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.restore_level(earlier_guard.level());
+        self.guard.restore_level(level);
+        self.guard.restore_available(&self.checkpoint.guard);
         let (mut last, first) = (failed - 1, began.max(self.asked_at));
         self.go_back_to(last);
         // The cause shows just before the failed step.

@@ -33,7 +33,8 @@ use crate::{
 /// Slow growth adds up. Energy from nowhere is the rise of M + P, less what was supplied since, above its least value at
 /// a check; so dissipated energy does not hide it. It may be no more than [`Self::EXCESS`] times the greatest energy
 /// that was available since the last change from outside, and the energy that counts as round-off. A step beyond that counts as unstable however little
-/// it adds.
+/// it adds. What contact stores is available, but a small motion beside it is held to the same multiple of what contact does not store, where an attempt
+/// at a step found no more.
 ///
 /// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
 /// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before
@@ -48,8 +49,10 @@ pub struct Guard {
     start: f64,
     /// Work of moving obstacles since the state was set \[J\].
     work: f64,
-    /// Greatest available energy, supplied less potential, since the last change from outside \[J\].
+    /// Greatest supplied energy less the potential and that of contact since the last change from outside \[J\], in attempts that were taken back as well.
     reference: f64,
+    /// Greatest supplied energy less the potential since then \[J\], in steps that were kept.
+    available: f64,
     /// Kinetic energy up to which no check is made \[J\].
     kinetic_threshold: f64,
     /// Mechanical energy and total after the last step, while every step is checked \[J\].
@@ -104,15 +107,25 @@ impl Guard {
     pub fn saved(&self, state: u64) -> Option<SavedGuard> {
         let (supplied, last) = (self.put_in?, self.last.map(|[mechanical, total]| (mechanical, total)));
         let (mechanical, total) = last.unwrap_or_default();
-        let finite = [supplied, self.least, self.start, self.reference, self.kinetic_threshold, mechanical, total]
-            .into_iter()
-            .all(f64::is_finite);
+        let finite = [
+            supplied,
+            self.least,
+            self.start,
+            self.reference,
+            self.available,
+            self.kinetic_threshold,
+            mechanical,
+            total,
+        ]
+        .into_iter()
+        .all(f64::is_finite);
         finite.then_some(SavedGuard {
             state,
             supplied,
             least: Some(self.least),
             start: self.start,
             reference: self.reference,
+            available: Some(self.available),
             threshold: self.kinetic_threshold,
             last,
             level: self.level,
@@ -150,12 +163,12 @@ impl Guard {
 
     /// Restores the available energy of an earlier moment: what was available in steps that are taken back never was.
     pub const fn restore_available(&mut self, earlier: &Self) {
-        self.reference = earlier.reference;
+        self.available = earlier.available;
     }
 
     /// Greatest available energy at a check since the last change from outside \[J\].
     pub const fn available(&self) -> f64 {
-        self.reference
+        self.available
     }
 
     /// Work of moving obstacles since the state was set \[J\].
@@ -188,7 +201,7 @@ impl Guard {
             self.least = self.least.min(before.total()) + change;
             self.start += change;
         }
-        self.reference = 0.0;
+        (self.reference, self.available) = (0.0, 0.0);
         (self.kinetic_threshold, self.last) = (0.0, None);
     }
 
@@ -223,7 +236,9 @@ impl Guard {
     pub fn keeps_bound(&mut self, scene: &Scene, energies: Energies) -> bool {
         let (Some(put_in), total) = (self.put_in, energies.total()) else { return true };
         self.reference = self.reference.max(put_in - energies.external());
-        let keeps = total - self.least <= Self::EXCESS * self.reference + negligible(scene);
+        self.available = self.available.max(put_in - energies.potential);
+        let bound = Self::EXCESS * self.reference.min(self.available) + negligible(scene);
+        let keeps = total - self.least <= bound;
         self.least = self.least.min(total);
         keeps
     }
@@ -282,6 +297,7 @@ impl From<&SavedGuard> for Guard {
             start: saved.start,
             work: 0.0,
             reference: saved.reference,
+            available: saved.available.unwrap_or(saved.reference),
             kinetic_threshold: saved.threshold,
             last: saved.last.map(|(mechanical, total)| [mechanical, total]),
             level: saved.level.min(Self::MOST),

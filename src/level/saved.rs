@@ -78,9 +78,12 @@ pub struct SavedGuard {
     /// Energy at the start, with what changes from outside have added \[J\].
     #[serde(default, deserialize_with = "finite")]
     pub start: f64,
-    /// Greatest energy that could be mechanical since the last change from outside \[J\].
+    /// Greatest energy that could be mechanical since the last change from outside \[J\], also in attempts at steps.
     #[serde(default, deserialize_with = "finite")]
     pub reference: f64,
+    /// Greatest energy that could be mechanical or in contact since then \[J\].
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_finite")]
+    pub available: Option<f64>,
     /// Kinetic energy up to which the other energies are not computed \[J\].
     #[serde(deserialize_with = "finite")]
     pub threshold: f64,

@@ -185,6 +185,12 @@ impl Guard {
         }
     }
 
+    /// Whether a scene can have supplied energy up to this total \[J\]: at most 100 times the energy of its elements at a
+    /// strain of one, or the energy at the start.
+    pub fn is_possible(&self, scene: &Scene, total: f64) -> bool {
+        total <= 100.0 * scale(scene).max(self.start.abs())
+    }
+
     /// Whether elements store more than anything can have supplied, even a fast obstacle. The apparent work of an obstacle
     /// on an exploding body is no work.
     pub fn is_impossible(&self, scene: &Scene, elastic: f64) -> bool {
@@ -268,6 +274,13 @@ impl Guard {
     /// oscillates widely.
     pub fn refine_further(&mut self, most: u32) {
         self.level = (self.level + 1).min(most.max(self.level));
+    }
+
+    /// Accepts a gain as supplied by the scene \[J\], and goes back to the steps of an earlier moment.
+    pub fn accept(&mut self, earlier: &Self, gain: f64) {
+        self.restore_level(earlier.level);
+        self.retry_after = earlier.retry_after;
+        self.supply(gain);
     }
 
     /// Restores an earlier refinement level.

@@ -554,8 +554,12 @@ impl Simulation {
     /// Replays from the checkpoint to a failed step in shorter steps, as far as the guard allows; sets a fault just
     /// before the step if that fails. Returns whether the step was taken. Steps that an error-controlled scheme gave up are not divided: it
     /// has tried shorter ones itself.
+    ///
+    /// In the first steps of all, what the three shortest step lengths agree on was supplied by the start, such as by surfaces that begin
+    /// exactly on each other. Later nothing can supply energy that is not in the account: there the agreement would only show that
+    /// an error, such as a bead far off its wire, was made before.
     fn retake(&mut self) -> bool {
-        let (failed, finite, level) = (self.state.steps, self.state.is_finite(), self.guard.level());
+        let (failed, finite, earlier_guard) = (self.state.steps, self.state.is_finite(), self.guard.clone());
         self.scratch.clear_box = None;
         // Unexplained energy arose before it was detected.
         if finite && self.joined {
@@ -563,6 +567,7 @@ impl Simulation {
             self.joined = false;
         }
         let began = self.checkpoint.state.steps;
+        let mut gains = vec![(failed, self.energies().total())];
         let most = Guard::most_level(self.multirate.shortest(self.scene.step));
         let gave_up = !finite && self.scene.integrator.kind().class() == Class::ErrorControlled;
         while self.is_guarded() && !gave_up && self.guard.refine(most) {
@@ -571,6 +576,7 @@ impl Simulation {
             self.taken_back = Some(self.taken_back.map_or(began, |earlier| earlier.min(began)));
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;
+            let start = self.energies().total();
             let mut sound = true;
             while sound && self.state.steps < failed {
                 self.step();
@@ -581,9 +587,21 @@ impl Simulation {
                 self.stale = true;
                 return true;
             }
+            gains.push((self.state.steps, self.energies().total()));
+            if began == 0
+                && self.guard.level() == most
+                && let [.., (a, x), (b, y), (c, z)] = gains[..]
+                && (a, b) == (b, c)
+                && (x - z).abs().max((y - z).abs()) < 0.2 * (z - start)
+                && self.guard.is_possible(&self.scene, z)
+            {
+                self.guard.accept(&earlier_guard, z - start);
+                self.stale = true;
+                return true;
+            }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.restore_level(level);
+        self.guard.restore_level(earlier_guard.level());
         self.guard.restore_available(&self.checkpoint.guard);
         let (mut last, first) = (failed - 1, began.max(self.asked_at));
         self.go_back_to(last);

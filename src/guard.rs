@@ -33,8 +33,8 @@ use crate::{
 /// Slow growth adds up. Energy from nowhere is the rise of M + P, less what was supplied since, above its least value at
 /// a check; so dissipated energy does not hide it. It may be no more than [`Self::EXCESS`] times the greatest energy
 /// that was available since the last change from outside, and the energy that counts as round-off. A step beyond that counts as unstable however little
-/// it adds. What contact stores is available, but a small motion beside it is held to the same multiple of what contact does not store, where an attempt
-/// at a step found no more.
+/// it adds. What contact stores is available. A stricter bound leaves it out, so that a small motion beside a great contact energy is watched too; it
+/// counts what attempts found available that were taken back.
 ///
 /// All energies cost as much as a step. They are computed when the kinetic energy, which is cheap, has grown by half
 /// since the last check, and at the end of each frame of 1/60 s, where every state keeps the bound. Energy gained before

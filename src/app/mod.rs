@@ -116,6 +116,8 @@ impl App {
             None => Gallery::default().first().unwrap_or_default(),
         };
         let mut app = Self::with_level(&cc.egui_ctx, level, Box::new(Disk))?;
+        // A browser tells what it can code a moment after it is asked.
+        let _ = FilmFormat::offered().count();
         if let Some(storage) = cc.storage {
             app.recall(storage);
         }

@@ -44,6 +44,9 @@ impl Worker {
 
     /// Draws a frame. The film, or why there is none, once it is finished.
     pub fn poll(&mut self) -> Option<Result<Vec<u8>, String>> {
+        if self.drawer.as_ref()?.is_busy() {
+            return None;
+        }
         let mut drawer = self.drawer.take()?;
         if let Some(shot) = self.shots.pop_front() {
             if let Err(why) = drawer.draw(shot) {
@@ -51,7 +54,11 @@ impl Worker {
             }
             self.drawn += 1;
         } else if self.has_ended {
-            return Some(drawer.finish());
+            match drawer.is_coded() {
+                Ok(true) => return Some(drawer.finish()),
+                Ok(false) => {}
+                Err(why) => return Some(Err(why)),
+            }
         }
         self.drawer = Some(drawer);
         None

@@ -28,6 +28,18 @@ impl Drawer {
         self.encoder.add(picture)
     }
 
+    /// Whether more frames are to wait.
+    #[cfg(target_arch = "wasm32")]
+    pub fn is_busy(&self) -> bool {
+        self.encoder.is_busy()
+    }
+
+    /// Whether all frames are coded. No more are drawn after the first call.
+    #[cfg(target_arch = "wasm32")]
+    pub fn is_coded(&mut self) -> Result<bool, String> {
+        self.encoder.is_coded()
+    }
+
     /// The bytes of the film.
     pub fn finish(self) -> Result<Vec<u8>, String> {
         self.encoder.finish()

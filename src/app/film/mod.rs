@@ -5,7 +5,6 @@ mod browser;
 mod drawer;
 mod filming;
 mod gif;
-#[cfg(not(target_arch = "wasm32"))]
 mod mp4;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
@@ -24,7 +23,6 @@ use crate::picture::Picture;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmFormat {
     /// H.264 in an MP4 file.
-    #[cfg(not(target_arch = "wasm32"))]
     Mp4,
     /// An animated GIF.
     Gif,
@@ -38,6 +36,19 @@ pub trait FilmEncoder {
     /// The encoder's own words.
     fn add(&mut self, picture: Picture) -> Result<(), String>;
 
+    /// Whether more frames are to wait. An encoder may code beside.
+    fn is_busy(&self) -> bool {
+        false
+    }
+
+    /// Whether all frames are coded, so that the film can be finished. No more are added after the first call.
+    ///
+    /// # Errors
+    /// The encoder's own words.
+    fn is_coded(&mut self) -> Result<bool, String> {
+        Ok(true)
+    }
+
     /// The bytes of the file.
     ///
     /// # Errors
@@ -47,19 +58,23 @@ pub trait FilmEncoder {
 
 impl FilmFormat {
     /// All formats.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub const ALL: &[Self] = &[Self::Mp4, Self::Gif];
-    /// All formats.
-    #[cfg(target_arch = "wasm32")]
-    pub const ALL: &[Self] = &[Self::Gif];
+    const ALL: &[Self] = &[Self::Mp4, Self::Gif];
 
     /// Greatest number of frames of a film, which is kept in memory until it is written.
     pub const MOST_FRAMES: u64 = 10_000;
 
+    /// The formats that can be made here: a browser may have no encoder of MP4.
+    pub fn offered() -> impl Iterator<Item = Self> {
+        #[cfg(target_arch = "wasm32")]
+        let has_mp4 = mp4::is_available();
+        #[cfg(not(target_arch = "wasm32"))]
+        let has_mp4 = true;
+        Self::ALL.iter().copied().filter(move |format| has_mp4 || *format != Self::Mp4)
+    }
+
     /// Ending of a file name, without the dot.
     pub const fn extension(self) -> &'static str {
         match self {
-            #[cfg(not(target_arch = "wasm32"))]
             Self::Mp4 => "mp4",
             Self::Gif => "gif",
         }
@@ -68,7 +83,6 @@ impl FilmFormat {
     /// Its name, and what it is good for.
     pub const fn titles(self) -> [&'static str; 2] {
         match self {
-            #[cfg(not(target_arch = "wasm32"))]
             Self::Mp4 => ["MP4", "Small files with all colours, for players."],
             Self::Gif => ["GIF", "256 colours a frame, for slides and web pages."],
         }
@@ -85,7 +99,6 @@ impl FilmFormat {
     /// What the format allows instead.
     pub fn check(self, size: [usize; 2], rate: u32) -> Result<(), String> {
         match self {
-            #[cfg(not(target_arch = "wasm32"))]
             Self::Mp4 => mp4::check(size),
             Self::Gif => gif::check(rate),
         }?;
@@ -99,7 +112,6 @@ impl FilmFormat {
     pub fn encoder(self, size: [usize; 2], rate: u32) -> Result<Box<dyn FilmEncoder>, String> {
         self.check(size, rate)?;
         Ok(match self {
-            #[cfg(not(target_arch = "wasm32"))]
             Self::Mp4 => Box::new(mp4::Mp4::new(size, rate)?),
             Self::Gif => Box::new(gif::Gif::new(size, rate)?),
         })

@@ -415,7 +415,7 @@ pub fn press(binding: &Binding, now: &Snapshot, view: &mut View) -> Option<Comma
             None
         }
         KeyAction::Film => {
-            let request = FilmFormat::ALL.first().copied().map(FilmRequest::Start);
+            let request = FilmFormat::offered().next().map(FilmRequest::Start);
             view.film_requests.extend(if view.film.is_some() { Some(FilmRequest::Stop) } else { request });
             None
         }

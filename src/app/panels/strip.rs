@@ -284,16 +284,15 @@ fn camera(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Comma
         if ui.button("Picture (PNG)").on_hover_text("Twice as fine as on the screen. [I]").clicked() {
             view.takes_picture = true;
         }
-        for format in FilmFormat::ALL {
+        for (place, format) in FilmFormat::offered().enumerate() {
             let [name, help] = format.titles();
-            let first = Some(format) == FilmFormat::ALL.first();
             let help = format!(
                 "{help} Records until the same key or button ends it.{}",
-                if first { " [Shift+V]" } else { "" }
+                if place == 0 { " [Shift+V]" } else { "" }
             );
             let button = Button::new(format!("Record a film ({name})"));
             if ui.add_enabled(view.film.is_none(), button).on_hover_text(help).clicked() {
-                view.film_requests.push(FilmRequest::Start(*format));
+                view.film_requests.push(FilmRequest::Start(format));
             }
         }
         let about = "Starts over, and writes pulls and pushes into the level as scripted actions. Start over then replays them, and a link or a \

@@ -14,6 +14,7 @@ mod film;
 mod gallery;
 mod jobs;
 pub mod keys;
+mod language;
 mod making;
 mod meshing;
 mod numbers;
@@ -534,6 +535,7 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
+        self.view.language.choose();
         self.jobs.follow(&self.sandbox);
         if let Some(panes) = &mut self.comparison {
             panes.jobs.follow(&panes.b);

@@ -16,6 +16,7 @@ mod folder;
 mod hard;
 mod harness;
 mod keys;
+mod language;
 mod making;
 mod measure;
 mod panels;

@@ -6,6 +6,7 @@ use crate::{
         Camera, Zoom,
         space::{Orbit, SpaceCamera},
     },
+    app::language::tr,
     link,
     snapshot::Snapshot,
 };
@@ -305,9 +306,9 @@ fn buttons(
 ) -> (Option<Look>, Option<Tool>) {
     let in_space = !others.is_empty();
     let help = if in_space {
-        "\nDrag with the right button to turn, with the middle button or Shift to move; zoom with the wheel."
+        "Drag with the right button to turn, with the middle button or Shift to move; zoom with the wheel."
     } else {
-        "\nDrag with the right or the middle button to move; zoom with the wheel. Z shows what is under the pointer."
+        "Drag with the right or the middle button to move; zoom with the wheel. Z shows what is under the pointer."
     };
     let place = response.rect.right_top() + vec2(-10.0, 10.0);
     let area = Area::new(response.id.with("views")).order(Order::Middle).pivot(Align2::RIGHT_TOP).fixed_pos(place);
@@ -322,7 +323,10 @@ fn buttons(
             let (tool, mut clicked) = (tools(ui, scene), None);
             let others = others.iter().map(|(name, about, look)| (*name, *name, *about, *look));
             for (text, name, about, look) in others.chain(zooms) {
-                let button = ui.small_button(text).on_hover_text(format!("{about}{help}")).accessible_name(name);
+                let button = ui
+                    .small_button(tr(text))
+                    .on_hover_text(format!("{}\n{}", tr(about), tr(help)))
+                    .accessible_name(tr(name));
                 clicked = button.clicked().then_some(look).or(clicked);
             }
             (clicked, tool)
@@ -338,16 +342,16 @@ fn tools(ui: &mut Ui, Seen { snapshot, tool, .. }: Seen<'_>) -> Option<Tool> {
         return None;
     }
     let mut chosen = None;
-    let (button, _) = MenuButton::from_button(Button::new(tool.name()).small()).ui(ui, |ui| {
+    let (button, _) = MenuButton::from_button(Button::new(tr(tool.name())).small()).ui(ui, |ui| {
         let can_arrange = snapshot.dimension == 2 && snapshot.level.test.is_none();
         for other in Tool::CHOICES.into_iter().filter(|other| *other != Tool::Arrange || can_arrange) {
-            if ui.selectable_label(other == tool, other.name()).on_hover_text(other.about()).clicked() {
+            if ui.selectable_label(other == tool, tr(other.name())).on_hover_text(tr(other.about())).clicked() {
                 chosen = Some(other);
             }
         }
     });
     button
-        .on_hover_text("What a click or a drag on the stage does. [Esc takes the hand again]")
-        .accessible_name("Tool");
+        .on_hover_text(tr("What a click or a drag on the stage does. [Esc takes the hand again]"))
+        .accessible_name(tr("Tool"));
     chosen
 }

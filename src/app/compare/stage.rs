@@ -4,6 +4,7 @@ use super::{Pane, PaneRequest};
 use crate::{
     app::{
         canvas::{self, Canvas, Options},
+        language::tr_with,
         numbers::si,
         panels::count,
         theme::Theme,
@@ -186,8 +187,9 @@ fn head(ui: &mut Ui, rect: Rect, pane: Pane, text: Arc<Galley>, split: &Split<'_
     let place = Rect::from_min_max(pos2(rect.right() - KEEP - PAD, rect.top()), rect.max - vec2(PAD, 0.0));
     let mut keep = false;
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::right_to_left(Align::Center)), |ui| {
-        let words = format!("Keep {}", pane.letter());
-        let help = format!("Ends the comparison: {} stays, with everything as it is now.", pane.letter());
+        let letter = [("pane", pane.letter())];
+        let words = tr_with("Keep {pane}", &letter);
+        let help = tr_with("Ends the comparison: {pane} stays, with everything as it is now.", &letter);
         keep = ui.add(Button::new(RichText::new(words).small()).small()).on_hover_text(help).clicked();
     });
     let response = response.on_hover_text(format!("{name}\nClick: the panels show and change this pane."));

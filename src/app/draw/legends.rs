@@ -4,6 +4,7 @@ use super::{View, card, shape_buffer::ShapeBuffer};
 use crate::{
     app::{
         colour::{Scale, ticks},
+        language::tr,
         numbers::{or_zero, si, si_fixed, unit_for},
     },
     snapshot::{BodySnapshot, Field, Snapshot},
@@ -56,7 +57,13 @@ pub fn colour_bar(
     gradient(buffer, layout.bar, scale, field.is_signed());
     let (count, unit) = unit_for(range[1], field.unit());
     let title = pos2(layout.card.center().x, layout.card.top() + 0.5 * size);
-    painter.text(title, Align2::CENTER_TOP, short_title(field), FontId::proportional(1.05 * size), theme.annotation);
+    painter.text(
+        title,
+        Align2::CENTER_TOP,
+        tr(short_title(field)),
+        FontId::proportional(1.05 * size),
+        theme.annotation,
+    );
     let below = title + vec2(0.0, 1.4 * size);
     painter.text(below, Align2::CENTER_TOP, unit, FontId::proportional(size), theme.faint_annotation);
     for value in ticks(range) {

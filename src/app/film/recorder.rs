@@ -5,6 +5,7 @@ use super::{FilmFormat, Worker};
 use crate::{
     app::{
         canvas::{Options, Viewpoint},
+        language::Language,
         stage::Stage,
     },
     snapshot::Snapshot,
@@ -69,7 +70,13 @@ impl Recorder {
     ) -> Result<Self, String> {
         format.check(size, Self::RATE)?;
         let (start, options) = (first.snapshot.time, first.options);
-        let worker = Worker::start(format, size, move || Stage::new((size, 1), is_dark, options))?;
+        // The film may be drawn by another thread, which has a language of its own.
+        let language = Language::chosen();
+        let stage = move || {
+            language.choose();
+            Stage::new((size, 1), is_dark, options)
+        };
+        let worker = Worker::start(format, size, stage)?;
         let interval = pace / f64::from(Self::RATE);
         let mut recorder = Self { format, worker, waiting: None, records: true, taken: 0, interval, since: 0.0, start };
         recorder.add(first);

@@ -5,6 +5,7 @@ use crate::{
     app::{
         advice::{Facts, Trouble},
         compare::{Pane, PaneRequest},
+        language::tr,
         numbers,
         theme::Theme,
     },
@@ -39,7 +40,7 @@ pub fn show(ctx: &Context, stage: Rect, context: &PanelContext<'_>, view: &mut V
             let title = format!("Time stopped in {}", pane.letter());
             card(ui, width, Theme::of(ctx).bad, &title, &fault.to_string(), |ui| {
                 let help = "The panels show this pane, and the remedies are offered here.";
-                if ui.button(format!("Edit {}", pane.letter())).on_hover_text(help).clicked() {
+                if ui.button(format!("Edit {}", pane.letter())).on_hover_text(tr(help)).clicked() {
                     view.panes.push(PaneRequest::Choose(pane));
                 }
             });
@@ -51,7 +52,7 @@ pub fn show(ctx: &Context, stage: Rect, context: &PanelContext<'_>, view: &mut V
                 Notice::Done(_) => ("Done", Theme::of(ctx).good),
             };
             card(ui, width, color, title, notice.text(), |ui| {
-                read = ui.button("Close").on_hover_text("[Esc]").clicked();
+                read = ui.button(tr("Close")).on_hover_text(tr("[Esc]")).clicked();
             });
         }
         if read || (view.notice.is_some() && ui.input(|input| input.key_pressed(Key::Escape))) {
@@ -78,17 +79,17 @@ fn remedies(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
     let reach = now.rewind_length.min(1.0);
     if reach > 0.0 {
         let help = "Goes back in time to before the failure, and pauses: change something, then run again. [Backspace]";
-        if ui.button(format!("Back {}", numbers::si(reach, "s"))).on_hover_text(help).clicked() {
+        if ui.button(format!("Back {}", numbers::si(reach, "s"))).on_hover_text(tr(help)).clicked() {
             commands.push(Command::Rewind(reach));
         }
     }
-    if ui.button("Reset").on_hover_text("Positions and velocities go back to the start. [R]").clicked() {
+    if ui.button(tr("Reset")).on_hover_text(tr("Positions and velocities go back to the start. [R]")).clicked() {
         commands.push(Command::Reset);
     }
     let Some(fault) = &now.fault else { return };
     let advice = Facts::of(now, context.jobs.limit_at_rest(), view).advise(Trouble::Fault(fault.cause));
     for (number, remedy) in advice.remedies.iter().enumerate() {
-        let help = format!("{} Starts over.", remedy.help());
+        let help = format!("{} {}", tr(remedy.help()), tr("Starts over."));
         if ui.button(remedy.label()).on_hover_text(help).clicked() {
             commands.extend(advice.apply(number, now, view));
         }

@@ -7,7 +7,12 @@ use super::{
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    app::{canvas::Tool, files::stem, numbers},
+    app::{
+        canvas::Tool,
+        files::stem,
+        language::{tr, tr_with},
+        numbers,
+    },
     command::{Command, Pose},
     elements::ElementKind,
     level::{MassLevel, MembraneLevel, NetLevel, Pin, Place, SpacePlace},
@@ -34,7 +39,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 ui.selectable_value(&mut view.body, index, *name);
             }
         });
-        response.response.on_hover_text("Which body the sliders below belong to").accessible_name("Body");
+        response.response.on_hover_text(tr("Which body the sliders below belong to")).accessible_name(tr("Body"));
     }
     let others = names.len() > 1;
     ui.push_id(("body", view.body), |ui| {
@@ -56,11 +61,11 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 place(ui, number, body.place, view, commands);
                 ui.horizontal_wrapped(|ui| {
                     let help = "Adds a copy to the right of all bodies, with the same pins.";
-                    if ui.button("Copy this body").on_hover_text(help).clicked() {
+                    if ui.button(tr("Copy this body")).on_hover_text(tr(help)).clicked() {
                         commands.push(Command::CopyBody(number));
                         view.body = level.bodies.len();
                     }
-                    if others && ui.button("Remove this body").clicked() {
+                    if others && ui.button(tr("Remove this body")).clicked() {
                         commands.push(Command::RemoveBody(number));
                     }
                 });
@@ -92,23 +97,23 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         return;
     }
     if view.stage.tool == Tool::Outline {
-        if ui.button("Cancel the outline").clicked() {
+        if ui.button(tr("Cancel the outline")).clicked() {
             view.stage.tool = Tool::Hand;
         }
         return;
     }
-    ui.menu_button("Add a body", |ui| {
-        if ui.button("Draw its outline…").on_hover_text("By one drag, or corner after corner by clicks.").clicked() {
+    ui.menu_button(tr("Add a body"), |ui| {
+        if ui.button(tr("Draw its outline…")).on_hover_text(tr("By one drag, or corner after corner by clicks.")).clicked() {
             (view.stage.tool, view.drawer) = (Tool::Outline, None);
         }
         let help = "A mesh of triangles (OBJ, Gmsh MSH), or the outlines in a drawing (SVG) or a black-and-white picture (PNG). It is scaled to half of the stage.";
-        if ui.button("From a file…").on_hover_text(help).clicked() {
+        if ui.button(tr("From a file…")).on_hover_text(tr(help)).clicked() {
             view.file = Some(FileRequest::OpenMesh);
         }
         for mesh in MeshKind::all() {
             // A file has its own button, and a refined mesh begins with another.
             let is_whole = !matches!(mesh, MeshKind::Obj(_) | MeshKind::Refined(_));
-            if is_whole && ui.button(mesh.name()).clicked() {
+            if is_whole && ui.button(tr(mesh.name())).clicked() {
                 view.new_body = Some(mesh);
             }
         }
@@ -119,7 +124,7 @@ pub fn add(ui: &mut Ui, now: &Snapshot, view: &mut View) {
 pub fn export(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let Some(body) = now.bodies.get(view.body) else { return };
     let help = "Saves the outline of the chosen body at rest as a drawing, in its true size.";
-    if ui.button("Outline (SVG)…").on_hover_text(help).clicked() {
+    if ui.button(tr("Outline (SVG)…")).on_hover_text(tr(help)).clicked() {
         let bytes = to_svg(&Shape::of_mesh(&body.mesh)).into_bytes();
         view.file = Some(FileRequest::Export(Export { name: stem(&body.name) + ".svg", bytes }));
     }
@@ -154,27 +159,27 @@ fn pins(ui: &mut Ui, part: usize, now: &[Pin], view: &mut View, commands: &mut V
     let chosen = chosen.or_else(|| seed.filter(|_| now.len() == 1).map(|_| "Random".to_owned()));
     let chosen = chosen.unwrap_or_else(|| "Other".to_owned());
     ui.horizontal(|ui| {
-        ui.label("Pins");
+        ui.label(tr("Pins"));
         // As high as all entries.
         let menu = ComboBox::from_id_salt("pins").height(400.0).width(ui.available_width());
-        let menu = menu.selected_text(chosen.as_str());
+        let menu = menu.selected_text(tr(&chosen));
         let response = menu.show_ui(ui, |ui| {
             for (name, pins) in modes {
-                if ui.selectable_label(name == chosen, name).clicked() {
+                if ui.selectable_label(name == chosen, tr(name)).clicked() {
                     commands.extend([Command::SetPins(part, pins.to_vec()), Command::EndGesture]);
                 }
             }
             ui.separator();
             for (name, tool, about) in TOOLS {
-                if ui.button(name).on_hover_text(about).clicked() {
+                if ui.button(tr(name)).on_hover_text(tr(about)).clicked() {
                     (view.stage.tool, view.drawer) = (tool, None);
                 }
             }
         });
         response
             .response
-            .on_hover_text("Which vertices are held. A click on a vertex in edit mode pins or frees it, a drag with Shift all in a box.")
-            .accessible_name("Pins");
+            .on_hover_text(tr("Which vertices are held. A click on a vertex in edit mode pins or frees it, a drag with Shift all in a box."))
+            .accessible_name(tr("Pins"));
     });
 }
 
@@ -203,7 +208,7 @@ fn material(
                     large strain this model keeps some stress through the thickness.\n\
                     On: the thickness of each triangle solves P₃₃ = 0, so the faces are free of stress at every strain. Takes \
                     more computing time.";
-        if ui.checkbox(&mut exact, "Exact at large strain").on_hover_text(help).changed() {
+        if ui.checkbox(&mut exact, tr("Exact at large strain")).on_hover_text(tr(help)).changed() {
             plane = if exact { Plane::StressExact } else { Plane::Stress };
         }
     }
@@ -286,7 +291,7 @@ fn mesh(ui: &mut Ui, mesh: &MeshKind, view: &mut View, commands: &mut Vec<Comman
 
 /// Draws where a body is, how far it is turned and how large it is.
 fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands: &mut Vec<Command>) {
-    ui.collapsing("Place", |ui| {
+    ui.collapsing(tr("Place"), |ui| {
         let Place { scale, turn, offset: Point(x, y) } = &mut place;
         let numbers: [(&str, &mut dyn Quantity); 4] =
             [("place x", x), ("place y", y), ("turn", turn), ("scale", scale)];
@@ -294,12 +299,12 @@ fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands
         apply_response(sum, Some(Command::SetPlace(number, place)), view, commands);
     })
     .header_response
-    .on_hover_text("Where the origin of its mesh is at the start, and how the body is turned and scaled about that. The tool Arrange does the same by hand.");
+    .on_hover_text(tr("Where the origin of its mesh is at the start, and how the body is turned and scaled about that. The tool Arrange does the same by hand."));
 }
 
 /// Draws where a net or membrane (by number: nets first) is in space, and how it is turned.
 fn space_place(ui: &mut Ui, number: usize, mut place: SpacePlace, view: &mut View, commands: &mut Vec<Command>) {
-    ui.collapsing("Place", |ui| {
+    ui.collapsing(tr("Place"), |ui| {
         let SpacePlace { turn: (about_x, about_y, about_z), offset: SpacePoint(x, y, z), .. } = &mut place;
         let numbers: [(&str, &mut dyn Quantity); 6] = [
             ("place x", x),
@@ -313,7 +318,7 @@ fn space_place(ui: &mut Ui, number: usize, mut place: SpacePlace, view: &mut Vie
         apply_response(sum, Some(Command::SetSpacePlace(number, place)), view, commands);
     })
     .header_response
-    .on_hover_text("Where the origin of its flat shape is at the start, and how that is turned: about x first, then y, then z. Another place starts over.");
+    .on_hover_text(tr("Where the origin of its flat shape is at the start, and how that is turned: about x first, then y, then z. Another place starts over."));
 }
 
 /// The mesh before all refinements, whose numbers can be changed.
@@ -329,13 +334,14 @@ fn original(mesh: MeshKind) -> MeshKind {
 fn refinement(ui: &mut Ui, now: &Snapshot, mesh: &MeshKind, body: Option<usize>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         let help = "Divides the fewest triangles that have together half of the sum of the squared errors of the stress, over all bodies and membranes. The scene goes on from its present state. Colour by *Stress error* to see the estimate. The tool *Refine* on the stage divides the triangles under the pointer.";
-        if ui.button("Refine by error").on_hover_text(help).clicked() {
+        if ui.button(tr("Refine by error")).on_hover_text(tr(help)).clicked() {
             commands.push(Command::RefineWorst);
         }
         let MeshKind::Refined(refined) = mesh else { return };
         if let Some(body) = body {
-            let help = format!("Takes the original mesh, without its {} rounds of refinement. The scene starts over.", refined.rounds.len());
-            if ui.button("Remove refinement").on_hover_text(help).clicked() {
+            let rounds = refined.rounds.len().to_string();
+            let help = tr_with("Takes the original mesh, without its {count} rounds of refinement. The scene starts over.", &[("count", &rounds)]);
+            if ui.button(tr("Remove refinement")).on_hover_text(help).clicked() {
                 commands.extend([Command::SetMesh(body, (*refined.mesh).clone()), Command::EndGesture]);
             }
         }
@@ -343,7 +349,7 @@ fn refinement(ui: &mut Ui, now: &Snapshot, mesh: &MeshKind, body: Option<usize>,
     if let Some(error) = now.stress_error {
         row(
             ui,
-            "Stress error, estimated",
+            tr("Stress error, estimated"),
             &percent(error),
             "Estimated relative error of the stress: sqrt(e/(s + e)) with e = Σ ∫ |P* − P|² dV and s = Σ ∫ |P|² dV over all triangles. P: first Piola-Kirchhoff stress. P*: its mean at the vertices, linear in between.",
         );
@@ -364,17 +370,17 @@ fn refinement(ui: &mut Ui, now: &Snapshot, mesh: &MeshKind, body: Option<usize>,
 /// Draws a menu of the kinds of elements of a body (by number).
 fn element(ui: &mut Ui, body: usize, now: ElementKind, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        ui.label("Element");
-        let menu = ComboBox::from_id_salt("element").width(ui.available_width()).selected_text(now.title());
+        ui.label(tr("Element"));
+        let menu = ComboBox::from_id_salt("element").width(ui.available_width()).selected_text(tr(now.title()));
         let response = menu.show_ui(ui, |ui| {
             for kind in ElementKind::ALL {
-                if ui.selectable_label(kind == now, kind.title()).on_hover_text(kind.about()).clicked() {
+                if ui.selectable_label(kind == now, tr(kind.title())).on_hover_text(tr(kind.about())).clicked() {
                     commands.extend([Command::SetElement(body, kind), Command::EndGesture]);
                 }
             }
         });
-        let help = format!("{}\nAnother kind starts over.", now.about());
-        response.response.on_hover_text(help).accessible_name("Element");
+        let help = format!("{}\n{}", tr(now.about()), tr("Another kind starts over."));
+        response.response.on_hover_text(help).accessible_name(tr("Element"));
     });
 }
 
@@ -450,7 +456,7 @@ pub fn show_test_pose(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) 
     }
     let mut together = now.side_by_side;
     let help = "One body for each constitutive model, so that their answers can be compared.";
-    if ui.checkbox(&mut together, "All models side by side").on_hover_text(help).changed() {
+    if ui.checkbox(&mut together, tr("All models side by side")).on_hover_text(tr(help)).changed() {
         commands.push(Command::SetSideBySide(together));
     }
 }

@@ -9,6 +9,7 @@ use super::{
 use crate::{
     app::{
         jobs::{Budget, SECONDS},
+        language::tr,
         numbers,
         theme::Theme,
     },
@@ -52,7 +53,7 @@ fn bar<'a>(ui: &mut Ui, sources: impl Iterator<Item = &'a ErrorSource>, theme: &
     let moved: Vec<_> = sources.map(|source| source.moved.unwrap_or(0.0)).collect();
     let sum: f64 = moved.iter().sum();
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::hover());
-    response.on_hover_text("Shares of what each refinement moves: the widest part is the greatest source of error");
+    response.on_hover_text(tr("Shares of what each refinement moves: the widest part is the greatest source of error"));
     ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let mut left = rect.left();
     for (number, moved) in moved.into_iter().enumerate().filter(|_| sum > 0.0) {

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::app::{
     compare::{Comparison, Moment, Pane, PaneRequest, Record, color},
+    language::tr,
     numbers,
     theme::Theme,
 };
@@ -33,7 +34,7 @@ pub fn switch(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     } else {
         "Two panes of this scene with the same pull of the mouse, and a different scheme, step, model or mesh in each. [B]"
     };
-    if ui.add(button).on_hover_text(help).accessible_name("Compare").clicked() {
+    if ui.add(button).on_hover_text(tr(help)).accessible_name(tr("Compare")).clicked() {
         view.panes.push(PaneRequest::Toggle);
     }
     if let Some(panes) = context.comparison {
@@ -78,14 +79,14 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let help = "sqrt(mean |x_B − x_A|²), and as a share of the farthest that A has been from its start, measured likewise. With \
                 other meshes, B is looked at where A's vertices are in the rest shape.";
     let top = ui.cursor().min;
-    row(ui, "Positions", &last.positions.map_or("–".to_owned(), words), help);
+    row(ui, tr("Positions"), &last.positions.map_or("–".to_owned(), words), help);
     let share = |of: &Moment| of.positions.map(share).filter(|share| share.is_finite());
     plot(ui, record, &Curve { name: "difference of positions", unit: "", value: &share });
     let help = "Total energy (kinetic, elastic, potential) of B less that of A [J]";
     let negligible = context.now.negligible;
     let energy =
         if last.energy.is_finite() { fixed(numbers::or_zero(last.energy, negligible), "J") } else { "–".to_owned() };
-    row(ui, "Total energy", &energy, help);
+    row(ui, tr("Total energy"), &energy, help);
     plot(
         ui,
         record,
@@ -138,7 +139,7 @@ fn costs(ui: &mut Ui, prices: Option<[f64; 2]>) {
         row(ui, name, &prices.map_or("–".to_owned(), |prices| fixed(prices[pane as usize], "s")), help);
     }
     if let Some([a, b]) = prices.filter(|[a, b]| *a > 0.0 && *b > 0.0) {
-        ui.label(RichText::new(verdict(b / a)).strong()).on_hover_text(help);
+        ui.label(RichText::new(verdict(b / a)).strong()).on_hover_text(tr(help));
     }
 }
 

@@ -6,7 +6,12 @@ use super::{
     widgets::{self, Segment, SliderOptions, SliderResponse, segmented},
 };
 use crate::{
-    app::{arrows::ArrowKind, draw::ghost::EarlierShape, numbers},
+    app::{
+        arrows::ArrowKind,
+        draw::ghost::EarlierShape,
+        language::{tr, tr_with},
+        numbers,
+    },
     command::Command,
     integrators::Class,
     level::{SubstepMode, Substeps},
@@ -26,7 +31,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         let help = "The edges of all triangles, and the structural springs";
         ui.horizontal(|ui| {
             close(ui);
-            ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text(help);
+            ui.checkbox(&mut view.stage.wireframe, tr("Wireframe")).on_hover_text(tr(help));
             normals(ui, view);
             earlier(ui, context.now, view);
         });
@@ -34,7 +39,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         ui.horizontal(|ui| {
             if has_hidden_springs(context.now) {
                 let help = "Draws the flexion springs too, which lie over the others";
-                ui.checkbox(&mut view.stage.wireframe, "All springs").on_hover_text(help);
+                ui.checkbox(&mut view.stage.wireframe, tr("All springs")).on_hover_text(tr(help));
             }
             earlier(ui, context.now, view);
         });
@@ -61,11 +66,11 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         heading_here(ui, "Colour by");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let chosen = others.iter().find(|field| **field == view.stage.field);
-            let button = Button::new(RichText::new(chosen.map_or("More…", |field| field.title())).small()).small();
+            let button = Button::new(RichText::new(tr(chosen.map_or("More…", |field| field.title()))).small()).small();
             let button = ui.add(button.selected(chosen.is_some()).min_size(vec2(34.0, 20.0)));
-            Popup::menu(&button.accessible_name("More colours")).show(|ui| {
+            Popup::menu(&button.accessible_name(tr("More colours"))).show(|ui| {
                 for field in others {
-                    let button = Button::selectable(view.stage.field == *field, field.title());
+                    let button = Button::selectable(view.stage.field == *field, tr(field.title()));
                     if ui.add(button).on_hover_text(about(*field)).clicked() {
                         view.stage.field = *field;
                     }
@@ -84,11 +89,11 @@ fn looks(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     view.stage.field = clicked.and_then(|clicked| first.get(clicked)).copied().unwrap_or(view.stage.field);
     ui.horizontal(|ui| {
         close(ui);
-        ui.checkbox(&mut view.stage.wireframe, "Wireframe").on_hover_text("The edges of all triangles");
+        ui.checkbox(&mut view.stage.wireframe, tr("Wireframe")).on_hover_text(tr("The edges of all triangles"));
         if now.dimension == 3 {
             normals(ui, view);
         } else {
-            ui.checkbox(&mut view.stage.vertices, "Vertices").on_hover_text("A dot at every vertex");
+            ui.checkbox(&mut view.stage.vertices, tr("Vertices")).on_hover_text(tr("A dot at every vertex"));
         }
         earlier(ui, now, view);
     });
@@ -102,10 +107,10 @@ fn arrows(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let chosen = view.stage.arrows;
     let is_on = chosen != ArrowKind::None;
     let title = if is_on { chosen.title() } else { "Arrows…" };
-    let button = Button::new(RichText::new(title).small()).small().selected(is_on).min_size(vec2(34.0, 20.0));
-    Popup::menu(&ui.add(button).accessible_name("Arrows")).show(|ui| {
+    let button = Button::new(RichText::new(tr(title)).small()).small().selected(is_on).min_size(vec2(34.0, 20.0));
+    Popup::menu(&ui.add(button).accessible_name(tr("Arrows"))).show(|ui| {
         for kind in ArrowKind::ALL {
-            let button = Button::selectable(chosen == kind, kind.title());
+            let button = Button::selectable(chosen == kind, tr(kind.title()));
             if ui.add_enabled(kind.suits(now), button).on_hover_text(kind.about()).clicked() {
                 view.stage.arrows = kind;
             }
@@ -119,7 +124,7 @@ fn held_range(ui: &mut Ui, view: &mut View) {
     let held = view.stage.held.filter(|(of, _)| *of == field).map(|(_, end)| end);
     let mut on = held.is_some();
     let help = "The ends of the colour scale stay, whatever the values are, so that pictures can be compared.";
-    if ui.checkbox(&mut on, "Hold range").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Hold range")).on_hover_text(tr(help)).changed() {
         view.stage.held = on.then_some((field, view.scale_end));
     }
     if let Some(end) = held.filter(|_| on) {
@@ -154,14 +159,14 @@ fn earlier(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let generation = now.generation;
     let mut on = view.earlier.is_some();
     let help = "Draws the outline at the start too, or at the moment that was marked with *Now*.";
-    if ui.checkbox(&mut on, "Before").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Before")).on_hover_text(tr(help)).changed() {
         view.earlier = on.then(|| EarlierShape { generation, positions: Arc::clone(&now.start) });
     }
     // Another mesh has another start.
     if let Some(moment) = view.earlier.as_mut().filter(|moment| moment.generation != generation) {
         *moment = EarlierShape { generation, positions: Arc::clone(&now.start) };
     }
-    if on && ui.small_button("Now").on_hover_text("Marks this moment as the earlier one.").clicked() {
+    if on && ui.small_button(tr("Now")).on_hover_text(tr("Marks this moment as the earlier one.")).clicked() {
         view.earlier = Some(EarlierShape { generation, positions: Arc::new(now.positions.clone()) });
     }
 }
@@ -169,7 +174,7 @@ fn earlier(ui: &mut Ui, now: &Snapshot, view: &mut View) {
 /// Draws the switch of colours by normals.
 fn normals(ui: &mut Ui, view: &mut View) {
     let help = "Colours by the directions of the normals: red for x, green for y and blue for z";
-    ui.checkbox(&mut view.stage.normals, "Normals").on_hover_text(help);
+    ui.checkbox(&mut view.stage.normals, tr("Normals")).on_hover_text(tr(help));
 }
 
 /// Text of the button of a field.
@@ -223,17 +228,17 @@ fn speed(ui: &mut Ui, context: &PanelContext<'_>, view: &View) {
     };
     row(
         ui,
-        "Speed",
+        tr("Speed"),
         &factor,
         "Simulated time over real time. Steps are never skipped: if the computer is too slow for them, simulated time runs slower.",
     );
-    row(ui, "Simulated time", &fixed(context.now.time, "s"), "Time since the start [s]");
+    row(ui, tr("Simulated time"), &fixed(context.now.time, "s"), "Time since the start [s]");
     let physics = or_dash(rates.map(|rates| fixed(rates.physics, "s")));
-    row(ui, "Physics per frame", &physics, "Time spent on stepping in a frame [s]");
+    row(ui, tr("Physics per frame"), &physics, "Time spent on stepping in a frame [s]");
     let frame = or_dash(rates.map(|rates| format!("{}, {:.1} per second", fixed(rates.frame, "s"), rates.frames)));
     let help = "Time for stepping, panels and the list of what is painted in a frame [s]; 60 frames per second leave 16.7 ms. \
                 Then how many frames are presented in a second, painting included [1/s].";
-    row(ui, "Frame time", &frame, help);
+    row(ui, tr("Frame time"), &frame, help);
     let share = rates.map_or(0.0, |rates| rates.physics / FRAME);
     let whole = rates.map_or(0.0, |rates| rates.frame / FRAME);
     gauge(ui, share as f32, whole as f32);
@@ -242,7 +247,8 @@ fn speed(ui: &mut Ui, context: &PanelContext<'_>, view: &View) {
 /// Draws the used share of a 60 Hz frame: stepping in the strong colour, the rest in the pale one.
 fn gauge(ui: &mut Ui, physics: f32, whole: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
-    response.on_hover_text("Frame time as a share of 1/60 s: stepping in the strong colour, drawing in the pale one");
+    response
+        .on_hover_text(tr("Frame time as a share of 1/60 s: stepping in the strong colour, drawing in the pale one"));
     let visuals = ui.visuals();
     ui.painter().rect_filled(rect, 4.0, visuals.extreme_bg_color);
     let part = |share: f32| Rect::from_min_size(rect.min, vec2(rect.width() * share.clamp(0.0, 1.0), rect.height()));
@@ -268,7 +274,7 @@ fn substeps(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     });
     let command = (chosen != now.level.substeps).then_some(Command::SetSubsteps(chosen));
     apply_response(outcome, command, view, commands);
-    row(ui, "Step", &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
+    row(ui, tr("Step"), &fixed(chosen.step(), "s"), "h = 1/(60 n): the length of a step [s]");
 }
 
 /// Draws the switch for substeps per body, and their present numbers.
@@ -280,7 +286,7 @@ fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
                 half of its longest stable step at rest. So a stiff body does not make a soft one take short steps too. This is \
                 exact, as bodies do not touch each other; with a contact potential all take the same steps.";
     let mut own = now.level.paces == SubstepMode::Own;
-    if ui.checkbox(&mut own, "Multirate stepping").on_hover_text(help).changed() {
+    if ui.checkbox(&mut own, tr("Multirate stepping")).on_hover_text(tr(help)).changed() {
         let mode = if own { SubstepMode::Own } else { SubstepMode::Same };
         commands.extend([Command::SetSubstepMode(mode), Command::EndGesture]);
     }
@@ -291,48 +297,48 @@ fn substep_mode(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
         .collect();
     if !each.is_empty() {
         let help = "Into how many equal parts each body or net divides a step";
-        ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(help);
+        ui.add(Label::new(RichText::new(each.join(", ")).small()).wrap()).on_hover_text(tr(help));
     }
 }
 
 fn size(ui: &mut Ui, now: &Snapshot) {
     let springs: usize = now.nets.iter().map(|net| net.springs.links().len()).sum();
     if springs > 0 {
-        row(ui, "Springs", &count(springs), "In all nets");
+        row(ui, tr("Springs"), &count(springs), "In all nets");
     }
     if !now.positions.is_empty() {
-        row(ui, "Vertices", &count(now.vertex_count()), "Of all bodies and membranes, and particles of all nets");
+        row(ui, tr("Vertices"), &count(now.vertex_count()), "Of all bodies and membranes, and particles of all nets");
     }
     let membranes: usize = now.membranes.iter().map(|membrane| membrane.elements.corners().len()).sum();
     if membranes > 0 {
-        row(ui, "Triangles", &count(membranes), "In all membranes");
+        row(ui, tr("Triangles"), &count(membranes), "In all membranes");
     }
     if let Some((crossings, time)) = now.crossings {
         let words = match crossings {
-            0 => format!("none: proven in {}", numbers::si(time.as_secs_f64(), "s")),
+            0 => tr_with("none: proven in {time}", &[("time", &numbers::si(time.as_secs_f64(), "s"))]),
             _ => count(crossings),
         };
         let help = "Edges of boundaries that cross each other, and edges of cloth that pass through triangles of cloth, by a test with exact arithmetic";
-        row(ui, "Crossings", &words, help);
+        row(ui, tr("Crossings"), &words, help);
     }
     if !now.triangles.is_empty() {
-        row(ui, "Triangles", &count(now.triangles.len()), "In all bodies");
+        row(ui, tr("Triangles"), &count(now.triangles.len()), "In all bodies");
         if now.asleep > 0 || now.regions[0] > 0 {
             let help = "Triangles of bodies, and of regions of bodies, that are awake. The times above are for these: what sleeps is not computed.";
-            row(ui, "Computed", &count(now.computed), help);
+            row(ui, tr("Computed"), &count(now.computed), help);
         }
-        row(ui, "Inverted", &count(now.inverted), "Triangles that are inside out: J = det F ≤ 0");
+        row(ui, tr("Inverted"), &count(now.inverted), "Triangles that are inside out: J = det F ≤ 0");
         let continued: usize = now.bodies.iter().map(|body| body.continued).sum();
         if continued > 0 {
             let rules = now.bodies.iter().filter(|body| body.continued > 0);
             let rules: BTreeSet<_> =
                 rules.map(|body| format!("\n{}: {}.", body.material.title(), body.material.continuation())).collect();
             let help = "Triangles so compressed, or inverted, that the formula of their model is replaced by its continuation.".to_owned();
-            row(ui, "Outside model range", &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
+            row(ui, tr("Outside model range"), &count(continued), &rules.iter().fold(help, |help, rule| help + rule));
         }
         row(
             ui,
-            "Smallest J = det F",
+            tr("Smallest J = det F"),
             &fixed(now.min_j, ""),
             "Area over rest area of the most compressed triangle; 1 at rest, ≤ 0 if it is inverted",
         );

@@ -4,6 +4,7 @@ use super::{PanelContext, View, scheme::percent};
 use crate::{
     app::{
         jobs::{DialFindings, JobRequest, SECONDS, TARGETS},
+        language::tr,
         numbers,
         theme::Theme,
     },
@@ -34,7 +35,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
                 over that of the displacements of all frames.";
     let is_running = context.jobs.dial.is_running();
     ui.horizontal(|ui| {
-        ui.label("Wanted error").on_hover_text(help);
+        ui.label(tr("Wanted error")).on_hover_text(tr(help));
         let dial = &mut view.dial;
         let shown = percent(TARGETS[dial.wanted % TARGETS.len()]);
         let combo = ComboBox::from_id_salt("wanted").width(72.0).selected_text(shown).show_ui(ui, |ui| {
@@ -42,15 +43,15 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
                 ui.selectable_value(&mut dial.wanted, number, percent(*error));
             }
         });
-        combo.response.on_hover_text(help).accessible_name("Wanted error");
+        combo.response.on_hover_text(tr(help)).accessible_name(tr("Wanted error"));
         if is_running {
-            if ui.button("Cancel").accessible_name("Cancel the search").clicked() {
+            if ui.button(tr("Cancel")).accessible_name(tr("Cancel the search")).clicked() {
                 view.requests.push(JobRequest::Cancel);
                 view.dial.set_for = None;
             }
             let done = context.jobs.dial.findings().map_or(0.0, |findings| findings.progress.done);
             ui.label(format!("{:.0} %", 100.0 * done));
-        } else if ui.button("Set").on_hover_text(help).accessible_name("Set the wanted error").clicked() {
+        } else if ui.button(tr("Set")).on_hover_text(tr(help)).accessible_name(tr("Set the wanted error")).clicked() {
             view.requests.extend([JobRequest::Dial(TARGETS[dial.wanted % TARGETS.len()]), JobRequest::Twin(true)]);
             dial.set_for = Some(context.now.generation);
         }
@@ -77,7 +78,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
             let above = "The error now is above the wanted one: set it again to search from here.";
             ui.label(text.color(theme.warning)).on_hover_text(above);
         } else {
-            ui.label(text).on_hover_text(help);
+            ui.label(text).on_hover_text(tr(help));
         }
     }
 }

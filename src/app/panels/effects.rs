@@ -2,6 +2,7 @@
 
 use super::{View, apply_response, heading, obstacles, sliders, widgets};
 use crate::{
+    app::language::tr,
     command::Command,
     effects::{EffectKind, Group},
     level::{EffectLevel, Switch, When},
@@ -27,9 +28,9 @@ fn add(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     if missing.is_empty() {
         return;
     }
-    ui.menu_button("Add an effect", |ui| {
+    ui.menu_button(tr("Add an effect"), |ui| {
         for kind in missing.into_iter().filter(|kind| kind.fits(&now.elements).is_ok()) {
-            let entry = ui.button(kind.kind().title()).on_hover_text(kind.kind().about());
+            let entry = ui.button(tr(kind.kind().title())).on_hover_text(tr(kind.kind().about()));
             if entry.clicked() {
                 commands.extend([Command::AddEffect(kind), Command::EndGesture]);
             }
@@ -46,8 +47,8 @@ fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Comm
     } else {
         "On: evaluated in every step. Click to skip it whenever it cannot change anything."
     };
-    let words = RichText::new(if now { "Auto" } else { "On" }).small();
-    if ui.add(Button::new(words).small().frame(!now)).on_hover_text(help).clicked() {
+    let words = RichText::new(tr(if now { "Auto" } else { "On" })).small();
+    if ui.add(Button::new(words).small().frame(!now)).on_hover_text(tr(help)).clicked() {
         let switch = if now { Switch::On } else { Switch::Auto };
         commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
     }
@@ -63,7 +64,8 @@ fn one(
     let mut on = effect.switch.is_on();
     let title = effect.effect.kind().title();
     ui.horizontal(|ui| {
-        let switch = ui.checkbox(&mut on, RichText::new(title).strong()).on_hover_text(effect.effect.kind().about());
+        let switch =
+            ui.checkbox(&mut on, RichText::new(tr(title)).strong()).on_hover_text(tr(effect.effect.kind().about()));
         if switch.changed() {
             let switch = if on { Switch::default() } else { Switch::Off };
             commands.extend([Command::SetEffect(index, EffectLevel { switch, ..effect.clone() }), Command::EndGesture]);
@@ -72,8 +74,8 @@ fn one(
             auto(ui, index, effect, commands);
         }
         if effect.when == When::Collide {
-            let note = RichText::new("only in collide mode").small().weak();
-            ui.label(note).on_hover_text("Acts in collide mode only. [T] switches to that mode.");
+            let note = RichText::new(tr("only in collide mode")).small().weak();
+            ui.label(note).on_hover_text(tr("Acts in collide mode only. [T] switches to that mode."));
         }
     });
     if on {

@@ -6,7 +6,7 @@ use super::{
     row,
 };
 use crate::{
-    app::{numbers, theme::Theme},
+    app::{language::tr, numbers, theme::Theme},
     effects::EffectKind,
     level::Level,
     snapshot::{Energies, Snapshot},
@@ -209,7 +209,7 @@ fn plot(ui: &mut Ui, (history, curves): (&History, &[&'static Curve]), (end, neg
                 plot.text(Text::new(curve.name, at, text).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
             }
         });
-    response.response.on_hover_text("Energies [J] over simulated time [s]");
+    response.response.on_hover_text(tr("Energies [J] over simulated time [s]"));
 }
 
 /// Grid marks of the time axis with numbers, few enough that the numbers do not overlap.

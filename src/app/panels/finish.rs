@@ -2,7 +2,7 @@
 
 use super::{FileRequest, View, apply_response, sliders};
 use crate::{
-    app::theme::Theme,
+    app::{language::tr, theme::Theme},
     command::Command,
     finish::{Colour, Finish, Pattern, Sheen},
     quantity::Quantity,
@@ -18,12 +18,12 @@ pub fn show(ui: &mut Ui, number: usize, now: &Finish, candy: usize, view: &mut V
     let mut note = |response: Response, name: &str, help: &str| {
         changed |= response.changed();
         ended |= response.drag_stopped();
-        response.on_hover_text(help).accessible_name(name);
+        response.on_hover_text(tr(help)).accessible_name(name);
     };
     let has_image = now.image.is_some();
     ui.add_enabled_ui(!has_image, |ui| {
         ui.horizontal(|ui| {
-            ui.label("Colours");
+            ui.label(tr("Colours"));
             note(pick(ui, &mut finish.front, front), "Front colour", "Colour of the front");
             if now.pattern == Pattern::Plain {
                 let back = now.back.map_or(if now.front.is_some() { front } else { theme.icing }, color);
@@ -40,16 +40,16 @@ pub fn show(ui: &mut Ui, number: usize, now: &Finish, candy: usize, view: &mut V
         choose(ui, ("Pattern", "What is printed or woven on both sides"), &mut finish.pattern, &patterns);
     });
     ui.horizontal(|ui| {
-        ui.label("Image");
+        ui.label(tr("Image"));
         if ui
-            .button("Open…")
-            .on_hover_text("A PNG picture on both sides, in place of colours and pattern")
-            .accessible_name("Open an image")
+            .button(tr("Open…"))
+            .on_hover_text(tr("A PNG picture on both sides, in place of colours and pattern"))
+            .accessible_name(tr("Open an image"))
             .clicked()
         {
             view.file = Some(FileRequest::OpenImage(number));
         }
-        if has_image && ui.button("Remove").accessible_name("Remove the image").clicked() {
+        if has_image && ui.button(tr("Remove")).accessible_name(tr("Remove the image")).clicked() {
             (finish.image, ended) = (None, true);
         }
     });
@@ -85,13 +85,13 @@ fn pick(ui: &mut Ui, colour: &mut Option<Colour>, shown: Color32) -> Response {
 fn choose<T: Copy + PartialEq>(ui: &mut Ui, (label, help): (&str, &str), now: &mut T, all: &[(T, &str)]) {
     let name = all.iter().find(|(kind, _)| kind == now).map_or("", |(_, name)| name);
     ui.horizontal(|ui| {
-        ui.label(label);
-        let menu = ComboBox::from_id_salt(label).width(ui.available_width()).selected_text(name);
+        ui.label(tr(label));
+        let menu = ComboBox::from_id_salt(label).width(ui.available_width()).selected_text(tr(name));
         let response = menu.show_ui(ui, |ui| {
             for (kind, name) in all {
-                ui.selectable_value(now, *kind, *name);
+                ui.selectable_value(now, *kind, tr(name));
             }
         });
-        response.response.on_hover_text(help).accessible_name(label);
+        response.response.on_hover_text(tr(help)).accessible_name(tr(label));
     });
 }

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     app::{
         jobs::{Choice, JobRequest, Known},
+        language::tr,
         theme::Theme,
     },
     hard::{ACCURATE, Cannot, Case, Entry, Method, Trial},
@@ -101,35 +102,35 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
         let title = choice.method.map_or("All integrators", Method::title);
         let pick = ComboBox::from_id_salt("hard integrators").selected_text(title).height(400.0);
         let shown = pick.show_ui(ui, |ui| {
-            ui.selectable_value(&mut choice.method, None, "All integrators");
+            ui.selectable_value(&mut choice.method, None, tr("All integrators"));
             for method in Method::ALL {
                 ui.selectable_value(&mut choice.method, Some(method), method.title()).on_hover_text(method.about());
             }
         });
-        shown.response.accessible_name("Integrators of hard cases");
+        shown.response.accessible_name(tr("Integrators of hard cases"));
         let help = "The same cases without damping, and not expected to come to rest.";
-        ui.checkbox(&mut choice.undamped, "Undamped").on_hover_text(help);
+        ui.checkbox(&mut choice.undamped, tr("Undamped")).on_hover_text(tr(help));
     });
     let choice = *choice;
     ui.horizontal(|ui| {
         if context.jobs.hard.is_running() {
-            if ui.button("Cancel").on_hover_text("Stops; what is known stays.").clicked() {
+            if ui.button(tr("Cancel")).on_hover_text(tr("Stops; what is known stays.")).clicked() {
                 view.requests.push(JobRequest::Cancel);
             }
             let done = context.jobs.hard.findings().map_or(0.0, |findings| findings.progress.done);
             ui.add(ProgressBar::new(done as f32).desired_width(90.0));
         } else if ui
-            .button("Run all")
-            .on_hover_text("Runs every case with what is chosen, in the background.")
+            .button(tr("Run all"))
+            .on_hover_text(tr("Runs every case with what is chosen, in the background."))
             .clicked()
         {
             view.requests.push(JobRequest::Hard(choice));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if known.runs.iter().any(|(_, entry)| entry.verdict.is_some()) {
-                let button = Button::new(RichText::new("CSV").small()).small().min_size(Vec2::new(34.0, 20.0));
+                let button = Button::new(RichText::new(tr("CSV")).small()).small().min_size(Vec2::new(34.0, 20.0));
                 let help = "Saves everything that is known as comma-separated values.";
-                if ui.add(button).on_hover_text(help).accessible_name("Hard cases as CSV").clicked() {
+                if ui.add(button).on_hover_text(tr(help)).accessible_name(tr("Hard cases as CSV")).clicked() {
                     let (name, bytes) = ("hard-cases.csv".to_owned(), known.csv().into_bytes());
                     view.file = Some(FileRequest::Export(Export { name, bytes }));
                 }
@@ -194,7 +195,7 @@ fn row(ui: &mut Ui, (name, case): (&'static str, &Case), context: &PanelContext<
                 let right = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     buttons(ui, &choice, &case.level.name, view);
                     if seconds > 0.0 {
-                        ui.label(RichText::new(time(seconds)).small().weak()).on_hover_text("Time spent on it");
+                        ui.label(RichText::new(time(seconds)).small().weak()).on_hover_text(tr("Time spent on it"));
                     }
                     let room = ui.available_width() > 7.5 * text.chars().count() as f32;
                     if room {
@@ -233,7 +234,7 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
         view.file = choice.case.map(|name| FileRequest::Hard { name, undamped: choice.undamped, model, method });
     }
     let help = "Runs this case alone with what is chosen.";
-    if ui.add(button("Run")).on_hover_text(help).accessible_name(format!("Run {title}")).clicked() {
+    if ui.add(button("Run")).on_hover_text(tr(help)).accessible_name(format!("Run {title}")).clicked() {
         view.requests.push(JobRequest::Hard(*choice));
     }
 }
@@ -344,7 +345,7 @@ const fn color(mark: Mark, theme: &Theme) -> Color32 {
 fn paint(ui: &mut Ui, mark: Mark, size: f32, theme: &Theme, about: &str) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(size), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Image, true, about));
-    response.on_hover_text(about);
+    response.on_hover_text(tr(about));
     let (painter, color, centre, radius) = (ui.painter(), color(mark, theme), rect.center(), 0.5 * size - 1.0);
     let at = |x: f32, y: f32| pos2(centre.x + x * radius, centre.y + y * radius);
     let thick = Stroke::new(size / 9.0, color);

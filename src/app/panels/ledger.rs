@@ -1,7 +1,13 @@
 //! Cost of each effect in a frame of 1/60 s: its measurement, and its table with reasons where the effect was skipped.
 
 use super::{PanelContext, View, count, numbers};
-use crate::{app::jobs::JobRequest, report::EffectCost, snapshot::Snapshot, study::Saving};
+use crate::{
+    app::jobs::JobRequest,
+    app::language::{tr, tr_with},
+    report::EffectCost,
+    snapshot::Snapshot,
+    study::Saving,
+};
 use eframe::egui::{self, Align, CollapsingHeader, Layout, RichText, Ui};
 
 /// Simulated time between two readings \[s\].
@@ -85,7 +91,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         view.ledger = false;
         return;
     }
-    let header = CollapsingHeader::new("What each effect costs").id_salt("ledger").show(ui, |ui| {
+    let header = CollapsingHeader::new(tr("What each effect costs")).id_salt("ledger").show(ui, |ui| {
         let active = context.meter.shown().iter().zip(&context.now.costs).filter(|(_, cost)| cost.idle.is_none());
         let all = active.map(|(used, _)| used.time).sum::<f64>();
         for (number, cost) in context.now.costs.iter().enumerate() {
@@ -165,10 +171,10 @@ fn saving(context: &PanelContext<'_>, number: usize, cost: &EffectCost) -> Optio
 fn off(ui: &mut Ui, context: &PanelContext<'_>) {
     let there = |name: &str| context.now.costs.iter().any(|cost| cost.name == name);
     let titles = context.now.level.effects.iter().map(|listed| listed.effect.kind().title());
-    let off: Vec<_> = titles.filter(|title| !there(title)).collect();
+    let off: Vec<_> = titles.filter(|title| !there(title)).map(tr).collect();
     if !off.is_empty() {
-        ui.label(RichText::new(format!("Not active: {}", off.join(", "))).small().weak())
-            .on_hover_text("Switched off, or not used in this mode: these take no memory and no time.");
+        ui.label(RichText::new(tr_with("Not active: {effects}", &[("effects", &off.join(", "))])).small().weak())
+            .on_hover_text(tr("Switched off, or not used in this mode: these take no memory and no time."));
     }
 }
 
@@ -178,7 +184,7 @@ fn savings(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
                 in every step and no body asleep.";
     let running = context.jobs.savings.is_running();
     let text = if running { "Measuring …" } else { "Measure what skipping saves" };
-    if ui.add_enabled(!running, egui::Button::new(text)).on_hover_text(help).clicked() {
+    if ui.add_enabled(!running, egui::Button::new(tr(text))).on_hover_text(tr(help)).clicked() {
         view.requests.push(JobRequest::Savings);
     }
     let Some(findings) = context.jobs.savings.findings() else { return };

@@ -7,6 +7,7 @@ use super::{
 use crate::{
     app::{
         canvas::{Measured, Tool},
+        language::tr,
         numbers,
         probes::{ProbeRequest, Probes, Reading},
         theme::Theme,
@@ -39,7 +40,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         });
     });
     if view.stage.tool == Tool::Probe {
-        ui.label(RichText::new("Click a vertex or a triangle on the stage.").small().weak());
+        ui.label(RichText::new(tr("Click a vertex or a triangle on the stage.")).small().weak());
     }
     if let Some(measured) = context.measured {
         ruler(ui, context.now, &measured, view);
@@ -61,9 +62,9 @@ fn ruler_button(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         return;
     }
     let is_taken = view.stage.tool == Tool::Ruler;
-    let button = Button::selectable(is_taken, RichText::new("Ruler").small()).small().min_size(vec2(34.0, 20.0));
+    let button = Button::selectable(is_taken, RichText::new(tr("Ruler")).small()).small().min_size(vec2(34.0, 20.0));
     let about = "Measures distances and angles between points on the stage. A point on a vertex moves with it.";
-    if ui.add(button).on_hover_text(about).clicked() {
+    if ui.add(button).on_hover_text(tr(about)).clicked() {
         (view.stage.tool, view.drawer) = if is_taken { (Tool::Hand, view.drawer) } else { (Tool::Ruler, None) };
     }
 }
@@ -78,12 +79,12 @@ fn ruler(ui: &mut Ui, now: &Snapshot, measured: &Measured, view: &mut View) {
     }
     rows.extend(measured.stretch().map(|stretch| ("Distance over that at the start", stretch, "")));
     rows.extend(measured.corner.map(|corner| ("Angle at the second point", corner.to_degrees(), "°")));
-    CollapsingHeader::new("Ruler").id_salt("ruler").default_open(true).show(ui, |ui| {
+    CollapsingHeader::new(tr("Ruler")).id_salt("ruler").default_open(true).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let button = |ui: &mut Ui, text: &str, about: &str| {
                 let button = Button::new(RichText::new(text).small()).small();
-                ui.add(button).on_hover_text(about).accessible_name(format!("{text}: Ruler"))
+                ui.add(button).on_hover_text(tr(about)).accessible_name(format!("{text}: Ruler"))
             };
             if button(ui, "Copy", "Copies the numbers, with all their digits.").clicked() {
                 let lines: Vec<_> =
@@ -106,10 +107,10 @@ fn ruler(ui: &mut Ui, now: &Snapshot, measured: &Measured, view: &mut View) {
 /// Draws the menu that adds a probe.
 fn add(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let picks = view.stage.tool == Tool::Probe;
-    let text = if picks { "Cancel" } else { "Add…" };
+    let text = tr(if picks { "Cancel" } else { "Add…" });
     let button = Button::new(RichText::new(text).small()).small().min_size(vec2(34.0, 20.0));
-    let button = ui.add(button).on_hover_text("Adds a probe. [P probes what is under the pointer]");
-    let button = button.accessible_name(if picks { "Cancel the probe" } else { "Add a probe" });
+    let button = ui.add(button).on_hover_text(tr("Adds a probe. [P probes what is under the pointer]"));
+    let button = button.accessible_name(tr(if picks { "Cancel the probe" } else { "Add a probe" }));
     if picks {
         if button.clicked() {
             view.stage.tool = Tool::Hand;
@@ -118,7 +119,8 @@ fn add(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     }
     Popup::menu(&button).show(|ui| {
         let now = context.now;
-        if now.toy.is_none() && ui.button("On the stage…").on_hover_text("The next click probes. [P]").clicked() {
+        if now.toy.is_none() && ui.button(tr("On the stage…")).on_hover_text(tr("The next click probes. [P]")).clicked()
+        {
             (view.stage.tool, view.drawer) = (Tool::Probe, None);
         }
         let is_there = |probe: &Probe| match probe {
@@ -154,7 +156,7 @@ fn probe(ui: &mut Ui, view: &mut View, (place, reading): (usize, &Reading), colo
             ui.spacing_mut().item_spacing.x = 4.0;
             let button = |ui: &mut Ui, text: &str, about: &str| {
                 let button = Button::new(RichText::new(text).small()).small();
-                ui.add(button).on_hover_text(about).accessible_name(format!("{text}: {}", reading.title))
+                ui.add(button).on_hover_text(tr(about)).accessible_name(format!("{text}: {}", reading.title))
             };
             if button(ui, "Copy", "Copies the numbers, with all their digits.").clicked() {
                 ui.ctx().copy_text(reading.text());
@@ -168,7 +170,7 @@ fn probe(ui: &mut Ui, view: &mut View, (place, reading): (usize, &Reading), colo
                 view.probe_requests.push(ProbeRequest::Remove(place));
             }
             ui.weak(RichText::new(reading.probe.to_string()).small())
-                .on_hover_text("Its name for `gingerbread run --csv FILE --probe`");
+                .on_hover_text(tr("Its name for `gingerbread run --csv FILE --probe`"));
         });
         // Lines keep their colours where rows are hidden.
         let lines: Vec<_> = reading.drawn.iter().map(|drawn| drawn.then(|| line_color(theme, color))).collect();
@@ -182,7 +184,7 @@ fn probe(ui: &mut Ui, view: &mut View, (place, reading): (usize, &Reading), colo
         };
         rows(ui, false);
         if reading.columns.iter().any(|column| column.is_detail) {
-            CollapsingHeader::new("All components")
+            CollapsingHeader::new(tr("All components"))
                 .id_salt(("details", reading.probe.to_string()))
                 .show(ui, |ui| rows(ui, true));
         }

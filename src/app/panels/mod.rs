@@ -47,7 +47,13 @@ use super::{
     theme::Theme,
 };
 use crate::{
-    command::Command, hard::Method, materials::Model, meshes::MeshKind, quantity::Quantity, snapshot::Snapshot,
+    app::language::{Language, tr},
+    command::Command,
+    hard::Method,
+    materials::Model,
+    meshes::MeshKind,
+    quantity::Quantity,
+    snapshot::Snapshot,
 };
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
 use std::path::PathBuf;
@@ -65,6 +71,8 @@ pub struct View {
     pub body: usize,
     /// Whether the left and the right panel are hidden in a wide window.
     pub hidden: [bool; 2],
+    /// Language of the texts.
+    pub language: Language,
     /// Words that the level picker searches for.
     pub search: String,
     /// Panel that covers the stage in a narrow window.
@@ -452,7 +460,7 @@ fn heading(ui: &mut Ui, text: &str) {
 
 /// Draws a heading without space around it.
 fn heading_here(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).size(15.5).color(Theme::of(ui.ctx()).accent_line));
+    ui.label(RichText::new(tr(text)).size(15.5).color(Theme::of(ui.ctx()).accent_line));
 }
 
 /// Draws a row with a name on the left and a number of constant width on the right.
@@ -460,9 +468,9 @@ fn row(ui: &mut Ui, name: impl Into<WidgetText>, value: &str, help: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().interact_size.y = 18.0;
         ui.set_height(18.0);
-        ui.label(name).on_hover_text(help);
+        ui.label(name).on_hover_text(tr(help));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.monospace(value).on_hover_text(help);
+            ui.monospace(value).on_hover_text(tr(help));
         });
     });
 }

@@ -1,7 +1,7 @@
 //! The notes of the level: their texts, which can be changed, and a button that removes each.
 
 use super::{PanelContext, View, heading_here};
-use crate::{command::Command, level::Note};
+use crate::{app::language::tr, command::Command, level::Note};
 use eframe::egui::{Align, Layout, TextEdit, Ui};
 
 /// Draws the notes, if there are any. The text of one that was just placed takes the keyboard.
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
         ui.horizontal(|ui| {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let name = format!("note {}", number + 1);
-                let button = ui.small_button("Remove").on_hover_text("Removes the note.");
+                let button = ui.small_button(tr("Remove")).on_hover_text(tr("Removes the note."));
                 if button.accessible_name(format!("Remove {name}")).clicked() {
                     let mut others = notes.clone();
                     others.remove(number);

@@ -2,6 +2,7 @@
 
 use super::{View, apply_response, widgets};
 use crate::{
+    app::language::tr,
     command::Command,
     level::EffectLevel,
     obstacles::{ObstacleKind, Similarity, placed},
@@ -37,12 +38,13 @@ pub fn show(
             ui.horizontal(|ui| {
                 ui.label(RichText::new(title).small());
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let remove = ui.small_button("Remove").on_hover_text("Removes the obstacle.");
+                    let remove = ui.small_button(tr("Remove")).on_hover_text(tr("Removes the obstacle."));
                     if remove.accessible_name(format!("Remove {title}")).clicked() {
                         change = Some(Change::Remove(number));
                     }
                     if obstacles.get(number).is_some_and(|kind| !kind.is_endless()) {
-                        let copy = ui.small_button("Copy").on_hover_text("Adds a copy on the right of everything.");
+                        let copy =
+                            ui.small_button(tr("Copy")).on_hover_text(tr("Adds a copy on the right of everything."));
                         if copy.accessible_name(format!("Copy {title}")).clicked() {
                             change = Some(Change::Copy(number));
                         }
@@ -53,20 +55,20 @@ pub fn show(
                 place(ui, (title, obstacle), now.dimension, &mut outcome);
             }
         }
-        ui.menu_button("Add an obstacle", |ui| {
+        ui.menu_button(tr("Add an obstacle"), |ui| {
             let is_offered =
                 |kind: &ObstacleKind| kind.kind().dimension() == now.dimension && kind.kind().path().is_none();
             for kind in ObstacleKind::all().into_iter().filter(is_offered) {
-                if ui.button(kind.title()).clicked() {
+                if ui.button(tr(&kind.title())).clicked() {
                     change = Some(Change::Add(kind));
                 }
             }
         });
         change
     };
-    let section = ui.indent("obstacles", |ui| ui.collapsing("Arrange obstacles", list)).inner;
+    let section = ui.indent("obstacles", |ui| ui.collapsing(tr("Arrange obstacles"), list)).inner;
     let help = "Where the obstacles are. In flat scenes the tool Arrange moves, turns and scales those that have an end by hand.";
-    section.header_response.on_hover_text(help);
+    section.header_response.on_hover_text(tr(help));
     let change = section.body_returned.flatten();
     let ends = change.is_some();
     match change {

@@ -2,7 +2,7 @@
 
 use super::{FileRequest, Notice, View};
 use crate::{
-    app::{files::stem, theme::Theme},
+    app::{files::stem, language::tr, theme::Theme},
     integrators::IntegratorKind,
 };
 use eframe::egui::{
@@ -197,7 +197,7 @@ pub fn export_buttons(ui: &mut Ui, view: &mut View, figure: Figure, level: &str,
     let name = |extension: &str| format!("{}-{}.{extension}", stem(level), title.to_lowercase());
     let button = |ui: &mut Ui, text: &str, help: &str| {
         let button = Button::new(RichText::new(text).small()).small().min_size(Vec2::new(34.0, 20.0));
-        ui.add(button).on_hover_text(help).accessible_name(format!("{title} as {text}"))
+        ui.add(button).on_hover_text(tr(help)).accessible_name(format!("{title} as {text}"))
     };
     if button(ui, "PNG", "Saves the plot as a picture, as it looks now.").clicked() {
         let table = table();

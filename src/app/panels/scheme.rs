@@ -2,7 +2,7 @@
 
 use super::{PanelContext, View, apply_response, count, dial, fixed, heading, row, widgets};
 use crate::{
-    app::{jobs::JobRequest, numbers, theme::Theme},
+    app::{jobs::JobRequest, language::tr, numbers, theme::Theme},
     command::Command,
     integrators::{Class, IntegratorKind, Scheme},
     level::{Sleep, Toggle},
@@ -98,7 +98,7 @@ fn gauge(ui: &mut Ui, context: &PanelContext<'_>) {
         bar(ui, share, color);
     }
     let help = "Step length h over the stability limit 2/ω, where ω² is the largest eigenvalue of M⁻¹K in the present state; the limit changes as the body deforms.";
-    ui.label(RichText::new(words).small()).on_hover_text(help);
+    ui.label(RichText::new(words).small()).on_hover_text(tr(help));
 }
 
 /// Draws the switch of the guard and its present division of steps.
@@ -107,7 +107,7 @@ fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let help = "Repeats a step as up to 64 shorter ones when it is unstable: when the total energy grows although no work is done, \
                 or a value is not finite. Switch it off to see the instability.";
     let mut on = now.level.guard == Toggle::On;
-    if ui.checkbox(&mut on, "Guard").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Guard")).on_hover_text(tr(help)).changed() {
         commands.extend([Command::SetGuard(on.into()), Command::EndGesture]);
     }
     let words = match (on && now.guarded > 0, now.guard_substeps) {
@@ -117,7 +117,7 @@ fn guard(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
         (true, parts) => format!("divides each step into {parts}; {} steps so far", count(now.guarded as usize)),
     };
     let color = if now.guard_substeps > 1 { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
-    ui.label(RichText::new(words).small().color(color)).on_hover_text(help);
+    ui.label(RichText::new(words).small().color(color)).on_hover_text(tr(help));
 }
 
 /// Draws the switch of sleep and the share of the scene that sleeps.
@@ -126,7 +126,7 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     let help = "Bodies and nets that have been at rest for half a second are not computed until something acts on them: a pull, or a \
                 changed effect or number. While all of them sleep, nothing is redrawn.";
     let mut on = now.level.sleep != Sleep::Off;
-    if ui.checkbox(&mut on, "Sleep").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Sleep")).on_hover_text(tr(help)).changed() {
         commands.extend([Command::SetSleep(if on { Sleep::On } else { Sleep::Off }), Command::EndGesture]);
     }
     if on && now.level.bodies.iter().any(|body| !body.element.has_six_nodes()) {
@@ -139,7 +139,7 @@ fn sleep(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
         (asleep, all, [0, _]) => format!("{asleep} of {all} sleep"),
         (asleep, all, [regions, _]) => format!("{asleep} of {all} sleep, and {regions} regions"),
     };
-    ui.label(RichText::new(words).small()).on_hover_text(help);
+    ui.label(RichText::new(words).small()).on_hover_text(tr(help));
 }
 
 /// Draws the switch of sleep of regions.
@@ -147,7 +147,7 @@ fn sleep_of_regions(ui: &mut Ui, now: &Snapshot, commands: &mut Vec<Command>) {
     let help = "Regions of a body that pins hold sleep too while the rest of it moves. A region wakes when something beside it has moved by more than \
                 the tolerance, a share of the size of the region. What sleeps is off by about this share of the size of the body.";
     let mut on = matches!(now.level.sleep, Sleep::Regions(_));
-    if ui.checkbox(&mut on, "Regions of bodies").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Regions of bodies")).on_hover_text(tr(help)).changed() {
         let sleep = if on { Sleep::Regions(Sleep::TOLERANCE) } else { Sleep::On };
         commands.extend([Command::SetSleep(sleep), Command::EndGesture]);
     }
@@ -197,13 +197,13 @@ fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let help = "Compares positions with the exact solution where one is known; otherwise with a reference: a second run of the same \
                 scene with far shorter steps and the same pull of the mouse. The error is sqrt(mean |x − x_ref|²) over the root mean \
                 square of the displacements.";
-    if ui.checkbox(&mut on, "Measure the error now").on_hover_text(help).changed() {
+    if ui.checkbox(&mut on, tr("Measure the error now")).on_hover_text(tr(help)).changed() {
         view.requests.push(JobRequest::Twin(on));
     }
     let Some(twin) = context.jobs.twin() else { return };
     let still = if twin.age() > 0.0 { "nothing moves" } else { "–" };
     let error = twin.error().map_or_else(|| still.to_owned(), percent);
-    row(ui, "Error now", &error, help);
+    row(ui, tr("Error now"), &error, help);
     if let Some(exact) = twin.exact() {
         ui.label(
             RichText::new(format!("Compared with the exact solution: {}.", exact.words.trim_end_matches('.'))).small(),
@@ -215,9 +215,14 @@ fn error_now(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         (false, Some(_)) => percent(twin.own_error()),
         (false, None) => "–".to_owned(),
     };
-    row(ui, "Error of the reference", &own, "Difference between the reference run and one with half its step length");
+    row(
+        ui,
+        tr("Error of the reference"),
+        &own,
+        "Difference between the reference run and one with half its step length",
+    );
     let cost = "Processor time of the reference run for 1 s of simulated time [s]";
-    row(ui, "Cost of the reference", &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
+    row(ui, tr("Cost of the reference"), &fixed(twin.ms_per_second() * 1e-3, "s"), cost);
 }
 
 /// Formats a share in per cent with three digits.

@@ -6,6 +6,7 @@ use crate::{
         advice::{Advice, Cause, Facts, Load, Remedy, Trouble},
         clock::{Pace, Rates},
         keys::{Binding, TABLE, When},
+        language::tr,
         numbers,
     },
     command::{Command, Mode},
@@ -41,7 +42,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, commands: 
                 complain(ui, warning, context.now, view, commands);
                 ui.add_space(12.0);
             } else if context.now.rests() {
-                ui.label(RichText::new(AT_REST).small().weak()).on_hover_text(AT_REST_HELP);
+                ui.label(RichText::new(tr(AT_REST)).small().weak()).on_hover_text(tr(AT_REST_HELP));
                 ui.add_space(12.0);
             }
             let width = ui.available_width();
@@ -64,7 +65,7 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
     let special = special.filter(|binding| now.toy.is_none() || !of_vertices(binding));
     let general = general.filter(|binding| now.toy.is_none() || binding.label != "D");
     for binding in special.chain(general) {
-        let words = brief(binding, now, view);
+        let words = tr(brief(binding, now, view));
         let font = TextStyle::Small.resolve(ui.style());
         let color = ui.visuals().text_color();
         let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), color).size().x;
@@ -73,7 +74,11 @@ fn hints(ui: &mut Ui, now: &Snapshot, view: &mut View) {
         }
         let cap = Button::new(RichText::new(binding.label).small().strong()).small().min_size(vec2(20.0, 18.0));
         let cap = ui.add_enabled(!binding.shortcuts.is_empty(), cap);
-        if cap.on_hover_text(binding.words).accessible_name(format!("{}: {}", binding.label, binding.words)).clicked() {
+        if cap
+            .on_hover_text(tr(binding.words))
+            .accessible_name(format!("{}: {}", binding.label, tr(binding.words)))
+            .clicked()
+        {
             view.pressed.push(binding);
         }
         ui.label(RichText::new(words).small());
@@ -112,12 +117,12 @@ fn brief(binding: &Binding, now: &Snapshot, view: &View) -> &'static str {
 
 /// Draws the warning. Text that does not fit is shown in its tooltip.
 fn complain(ui: &mut Ui, warning: &Warning, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
-    if ui.button("Hide").on_hover_text("Hides this warning.").clicked() {
+    if ui.button(tr("Hide")).on_hover_text(tr("Hides this warning.")).clicked() {
         view.dismissed.push(warning.kind);
     }
     if let Some(advice) = &warning.advice {
         for (number, remedy) in advice.remedies.iter().enumerate().take(MOST_REMEDIES).rev() {
-            if ui.button(remedy.label()).on_hover_text(remedy.help()).clicked() {
+            if ui.button(remedy.label()).on_hover_text(tr(remedy.help())).clicked() {
                 commands.extend(advice.apply(number, now, view));
             }
         }

@@ -5,7 +5,12 @@ use super::{
     widgets::{HEIGHT, Icon, Lit, Segment, icon_button, segmented},
 };
 use crate::{
-    app::{clock::Pace, dialogs, film::FilmFormat},
+    app::{
+        clock::Pace,
+        dialogs,
+        film::FilmFormat,
+        language::{tr, tr_with},
+    },
     command::{Command, Mode},
     link,
     materials::Model,
@@ -64,7 +69,7 @@ fn apart(ui: &mut Ui) {
 
 /// Draws the level picker with the file commands.
 fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
-    let name = if context.now.level.name.is_empty() { "Level" } else { &context.now.level.name };
+    let name = if context.now.level.name.is_empty() { tr("Level") } else { &context.now.level.name };
     let shown = if context.is_unsaved { format!("• {name}") } else { name.to_owned() };
     let room_for_arrow = Atom::custom(IdSalt::new("arrow"), Vec2::splat(10.0));
     let button = Button::new((shown, room_for_arrow)).truncate().min_size(vec2(120.0, HEIGHT));
@@ -75,15 +80,15 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     let arrow = Rect::from_center_size(response.inner.rect.right_center() - vec2(16.0, 0.0), vec2(9.0, 5.0));
     let corners = vec![arrow.left_top(), arrow.right_top(), arrow.center_bottom()];
     ui.painter().add(Shape::convex_polygon(corners, ui.visuals().text_color(), Stroke::NONE));
-    let about = if context.now.level.about.is_empty() { "Choose a level" } else { &context.now.level.about };
-    let response = response.inner.on_hover_text(about).accessible_name("Level");
+    let about = if context.now.level.about.is_empty() { tr("Choose a level") } else { &context.now.level.about };
+    let response = response.inner.on_hover_text(about).accessible_name(tr("Level"));
     if response.clicked() {
         view.search.clear();
     }
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_width(240.0);
-        let field = TextEdit::singleline(&mut view.search).hint_text("Search").desired_width(f32::INFINITY);
-        let field = ui.add(field).accessible_name("Search levels");
+        let field = TextEdit::singleline(&mut view.search).hint_text(tr("Search")).desired_width(f32::INFINITY);
+        let field = ui.add(field).accessible_name(tr("Search levels"));
         if response.clicked() {
             field.request_focus();
         }
@@ -94,7 +99,7 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 let mut found = context.gallery.found(&view.search).peekable();
                 if found.peek().is_none() {
-                    ui.weak("No level has these words.");
+                    ui.weak(tr("No level has these words."));
                 }
                 let mut chosen = if is_entered { found.peek().map(|(index, _)| *index) } else { None };
                 for (index, entry) in found {
@@ -112,27 +117,27 @@ fn levels(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         ui.separator();
         let about =
             "Difficult test cases: collapsed, inverted, overstretched and crushed bodies, and which models and methods pass them.";
-        if ui.button("Hard cases…").on_hover_text(about).clicked() {
+        if ui.button(tr("Hard cases…")).on_hover_text(tr(about)).clicked() {
             view.hard.open = true;
             view.drawer = None;
             ui.close();
         }
-        if ui.button("Open…").on_hover_text("Open a level file. A file dropped on the window opens too. [Ctrl+O]").clicked() {
+        if ui.button(tr("Open…")).on_hover_text(tr("Open a level file. A file dropped on the window opens too. [Ctrl+O]")).clicked() {
             view.file = Some(FileRequest::Open);
             ui.close();
         }
         recent(ui, context, view);
-        if ui.button("Save…").on_hover_text("Save the level with everything as it is now. [Ctrl+S]").clicked() {
+        if ui.button(tr("Save…")).on_hover_text(tr("Save the level with everything as it is now. [Ctrl+S]")).clicked() {
             view.file = Some(FileRequest::Save);
             ui.close();
         }
         let about = "Save the states of the last seconds as arrays for NumPy (.npz): times, positions, velocities, energies, triangles and springs.";
-        if context.now.toy.is_none() && ui.button("Save recorded states…").on_hover_text(about).clicked() {
+        if context.now.toy.is_none() && ui.button(tr("Save recorded states…")).on_hover_text(tr(about)).clicked() {
             view.file = Some(FileRequest::RecordedStates);
             ui.close();
         }
         let about = "Copy a link to the page in a browser that opens this level at its start, with pins, sliders and view as they are now.";
-        if ui.button("Copy link").on_hover_text(about).clicked() {
+        if ui.button(tr("Copy link")).on_hover_text(tr(about)).clicked() {
             view.notice = Some(copy_link(ui, context));
             ui.close();
         }
@@ -166,7 +171,7 @@ fn recent(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
     if context.recent.is_empty() {
         return;
     }
-    ui.menu_button("Recent", |ui| {
+    ui.menu_button(tr("Recent"), |ui| {
         for path in context.recent {
             let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.display().to_string());
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
@@ -229,7 +234,7 @@ fn pace(ui: &mut Ui, view: &mut View) {
     let text = |pace: Pace| format!("×\u{2009}{}", pace.label());
     let about = "Simulated time over real time: slow motion and time lapse. [Page down, Page up]";
     let button = ui.add(Button::new(text(view.pace)).min_size(vec2(44.0, HEIGHT)));
-    let button = button.on_hover_text(about).accessible_name(format!("Speed of time: {}", view.pace.label()));
+    let button = button.on_hover_text(tr(about)).accessible_name(format!("Speed of time: {}", view.pace.label()));
     Popup::menu(&button).show(|ui| {
         for pace in Pace::all() {
             if ui.add(Button::selectable(pace == view.pace, text(pace))).clicked() {
@@ -281,24 +286,22 @@ fn camera(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Comma
     let button =
         icon_button(ui, Icon::Camera, "Pictures and films", "Of the stage, without panels and buttons.", false);
     Popup::menu(&button).show(|ui| {
-        if ui.button("Picture (PNG)").on_hover_text("Twice as fine as on the screen. [I]").clicked() {
+        if ui.button(tr("Picture (PNG)")).on_hover_text(tr("Twice as fine as on the screen. [I]")).clicked() {
             view.takes_picture = true;
         }
         for (place, format) in FilmFormat::offered().enumerate() {
             let [name, help] = format.titles();
-            let help = format!(
-                "{help} Records until the same key or button ends it.{}",
-                if place == 0 { " [Shift+V]" } else { "" }
-            );
-            let button = Button::new(format!("Record a film ({name})"));
+            let key = if place == 0 { " [Shift+V]" } else { "" };
+            let help = format!("{} {}{key}", tr(help), tr("Records until the same key or button ends it."));
+            let button = Button::new(tr_with("Record a film ({name})", &[("name", name)]));
             if ui.add_enabled(view.film.is_none(), button).on_hover_text(help).clicked() {
                 view.film_requests.push(FilmRequest::Start(format));
             }
         }
         let about = "Starts over, and writes pulls and pushes into the level as scripted actions. Start over then replays them, and a link or a \
                      saved file has them too: anyone who opens it sees whether the same state comes out. [Shift+R]";
-        let button = Button::new("Record actions");
-        if ui.add_enabled(!now.records && now.toy.is_none(), button).on_hover_text(about).clicked() {
+        let button = Button::new(tr("Record actions"));
+        if ui.add_enabled(!now.records && now.toy.is_none(), button).on_hover_text(tr(about)).clicked() {
             commands.push(Command::Record(true));
         }
     });

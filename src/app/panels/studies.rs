@@ -10,6 +10,7 @@ use super::{
 use crate::{
     app::{
         jobs::{Findings, JobRequest, Topic},
+        language::tr,
         theme::Theme,
     },
     command::Command,
@@ -113,7 +114,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         }
         let topic = view.studies.topic;
         if context.jobs.is_running(topic) {
-            if ui.button("Cancel").on_hover_text("Stops; what is measured stays.").clicked() {
+            if ui.button(tr("Cancel")).on_hover_text(tr("Stops; what is measured stays.")).clicked() {
                 view.requests.push(JobRequest::Cancel);
             }
             let done = context.jobs.done(topic).unwrap_or(0.0);
@@ -130,11 +131,13 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
             Topic::Drift => (JobRequest::Drift(view.studies.drift.seconds()), study_plots::DRIFT_HELP),
             Topic::Budget => (JobRequest::Budget, budget::HELP),
         };
-        if ui.button("Measure").on_hover_text(help).clicked() {
+        if ui.button(tr("Measure")).on_hover_text(tr(help)).clicked() {
             view.requests.push(request);
         }
         if !context.now.level.actions.is_empty() {
-            ui.label(RichText::new("The scripted actions of this level are not performed in a study.").small().weak());
+            ui.label(
+                RichText::new(tr("The scripted actions of this level are not performed in a study.")).small().weak(),
+            );
         }
     });
 }

@@ -10,6 +10,7 @@ use super::{
 use crate::{
     app::{
         jobs::{Course, Courses, Diagram, Mesh, MeshFindings, SECONDS, TARGETS},
+        language::tr,
         numbers,
         theme::Theme,
     },
@@ -83,7 +84,7 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
         if let Some((price, ..)) = segmented(ui, "price", &segments, false).and_then(|clicked| parts.get(clicked)) {
             settings.price = *price;
         }
-        ui.label("Cheapest under");
+        ui.label(tr("Cheapest under"));
         let price = usize::from(settings.price == Price::ForceEvaluations);
         let mut target = settings.target.unwrap_or_else(|| diagram.usual_target(price));
         let before = target;
@@ -93,19 +94,23 @@ fn suggest(ui: &mut Ui, diagram: &Diagram, view: &mut View, commands: &mut Vec<C
                 ui.selectable_value(&mut target, number, percent(*error));
             }
         });
-        combo.response.accessible_name("Error to stay under");
-        ui.label("mean error:");
+        combo.response.accessible_name(tr("Error to stay under"));
+        ui.label(tr("mean error:"));
         if target != before {
             settings.target = Some(target);
         }
         match diagram.suggestions.get(target).and_then(|by_price| by_price[price].as_ref()) {
             Some(suggestion) => {
                 ui.label(RichText::new(suggestion.to_string()).strong());
-                if ui.button("Use it").on_hover_text("Steps like this from now on; Ctrl+Z takes it back.").clicked() {
+                if ui
+                    .button(tr("Use it"))
+                    .on_hover_text(tr("Steps like this from now on; Ctrl+Z takes it back."))
+                    .clicked()
+                {
                     commands.extend(suggestion.commands());
                 }
             }
-            None => drop(ui.label("nothing measured yet is that accurate.")),
+            None => drop(ui.label(tr("nothing measured yet is that accurate."))),
         }
     });
 }
@@ -248,7 +253,7 @@ pub fn show_meshes(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View) {
         settings.measure = *measure;
     }
     let help = "Also compares adaptive meshes of each kind of elements. They begin with the coarsest mesh, and the triangles with the greatest estimated error of the stress are divided. Only for levels whose pins or rollers hold the bodies.";
-    ui.checkbox(&mut settings.adaptive, "Adaptive meshes too").on_hover_text(help);
+    ui.checkbox(&mut settings.adaptive, tr("Adaptive meshes too")).on_hover_text(tr(help));
     let invitation = format!(
         "The level from its start, on meshes of 1/64 to 4 times as many triangles: at rest if pins or rollers hold it, else after \
          {SECONDS} s. Each mesh is a point."
@@ -294,7 +299,7 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
     if !orders.is_empty() {
         let each = orders.iter().map(|(series, order)| format!("{} h^{order:.2}", series.title().to_lowercase()));
         ui.label(format!("The error falls like: {}.", each.collect::<Vec<_>>().join(", ")))
-            .on_hover_text("h: the size of the triangles; the slope of log error over log h where it is steady.");
+            .on_hover_text(tr("h: the size of the triangles; the slope of log error over log h where it is steady."));
     } else if let Some((_, Err(reason))) = study.orders.first() {
         ui.label(format!("Order of the error: not measurable here: {reason}."));
     }
@@ -320,7 +325,7 @@ fn mesh_words(ui: &mut Ui, study: &MeshFindings) {
         let linear = study.locking.iter().any(|number| number.meshes[0].is_linear);
         let remedy = if tight && linear { " Elements of mean dilatation, or quadratic ones, do not lock." } else { "" };
         let text = format!("Locking: {}.{meshes}{remedy}", numbers.join("; "));
-        ui.label(RichText::new(text).color(color)).on_hover_text(help);
+        ui.label(RichText::new(text).color(color)).on_hover_text(tr(help));
     }
 }
 
@@ -339,8 +344,8 @@ fn mesh_table(ui: &mut Ui, study: &MeshFindings) {
             match (point.value, point.status) {
                 (Some(value), _) => ui.monospace(numbers::si_fixed(value, study.measure.unit())),
                 (None, Status::Ok) => ui.label("…"),
-                (None, Status::Unstable) => ui.label("unstable"),
-                (None, Status::Unconverged) => ui.label("no rest found"),
+                (None, Status::Unstable) => ui.label(tr("unstable")),
+                (None, Status::Unconverged) => ui.label(tr("no rest found")),
             };
             ui.monospace(if point.ms > 0.0 { numbers::si_fixed(1e-3 * point.ms, "s") } else { String::new() });
             ui.end_row();
@@ -509,7 +514,7 @@ fn choose_invariant(ui: &mut Ui, settings: &mut DriftSettings) {
             }
         });
         let help = "How much time to simulate when it is measured next.";
-        shown.response.on_hover_text(help).accessible_name("Simulated time of the study");
+        shown.response.on_hover_text(tr(help)).accessible_name(tr("Simulated time of the study"));
     });
 }
 

@@ -5,6 +5,7 @@ use super::{
     widgets::{self, SliderResponse},
 };
 use crate::{
+    app::language::tr,
     command::Command,
     formula::FormulaError,
     materials::{BadEnergy, MaterialParameters, TypedEnergy},
@@ -24,7 +25,7 @@ pub fn show(
 ) {
     let mut on = listed.is_some();
     let mut set = |energy| commands.extend([Command::SetEnergy(part, energy), Command::EndGesture]);
-    if ui.checkbox(&mut on, "Typed energy").on_hover_text(HELP).changed() {
+    if ui.checkbox(&mut on, tr("Typed energy")).on_hover_text(tr(HELP)).changed() {
         match TypedEnergy::new(TypedEnergy::NEO_HOOKEAN, Vec::new()) {
             Ok(energy) => set(on.then_some(energy)),
             Err(why) => view.notice = Some(Notice::trouble(&why)),
@@ -46,7 +47,7 @@ pub fn show(
     });
     if let Some(name) = unknown {
         let button = ui.small_button(format!("Make {name} a parameter"));
-        if button.on_hover_text("It gets the value 1.").clicked() {
+        if button.on_hover_text(tr("It gets the value 1.")).clicked() {
             // What was typed is read again with it in the next frame.
             match energy.with_parameter(&name, 1.0) {
                 Ok(typed) => set(Some(typed)),
@@ -74,7 +75,7 @@ fn parameters(ui: &mut Ui, (part, energy): (usize, &TypedEnergy), view: &mut Vie
             let speed = (0.01 * value.abs()).max(1e-3);
             let response = ui.add(DragValue::new(&mut new).speed(speed).max_decimals(9));
             let response =
-                response.on_hover_text("Drag, or click to type.").accessible_name(format!("Parameter {name}"));
+                response.on_hover_text(tr("Drag, or click to type.")).accessible_name(format!("Parameter {name}"));
             if new != *value {
                 match energy.with_parameter(name, new) {
                     Ok(energy) => commands.push(Command::SetEnergy(part, Some(energy))),
@@ -84,7 +85,7 @@ fn parameters(ui: &mut Ui, (part, energy): (usize, &TypedEnergy), view: &mut Vie
             if response.drag_stopped() || response.lost_focus() {
                 commands.push(Command::EndGesture);
             }
-            let remove = ui.small_button("×").on_hover_text("Removes the parameter.");
+            let remove = ui.small_button("×").on_hover_text(tr("Removes the parameter."));
             if remove.accessible_name(format!("Remove {name}")).clicked() {
                 let others = energy.parameters().iter().filter(|(other, _)| other != name).cloned().collect();
                 if let Ok(energy) = TypedEnergy::new(energy.text(), others) {
@@ -97,6 +98,6 @@ fn parameters(ui: &mut Ui, (part, energy): (usize, &TypedEnergy), view: &mut Vie
         });
     }
     if !energy.parameters().is_empty() {
-        ui.label(RichText::new("A value that leaves a stress at rest is refused.").small().weak());
+        ui.label(RichText::new(tr("A value that leaves a stress at rest is refused.")).small().weak());
     }
 }

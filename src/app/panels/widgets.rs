@@ -1,6 +1,6 @@
 //! Controls of the panels: a slider with a number field for one quantity, segmented buttons, and buttons with icons.
 
-use crate::{app::numbers, effects::PointFormula, formula::Formula, quantity::Quantity};
+use crate::{app::language::tr, app::numbers, effects::PointFormula, formula::Formula, quantity::Quantity};
 use eframe::egui::{
     self, Color32, CornerRadius, DragValue, Mesh, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Slider,
     SliderClamping, Stroke, StrokeKind, TextEdit, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
@@ -52,7 +52,7 @@ pub fn quantity(ui: &mut Ui, quantity: &mut dyn Quantity) -> SliderResponse {
 /// The same under another name.
 pub fn named_quantity(ui: &mut Ui, name: &str, quantity: &mut dyn Quantity) -> SliderResponse {
     let spec = quantity.spec();
-    let help = format!("{}\nAllowed: {}.", spec.help.trim(), spec.range());
+    let help = format!("{}\n{} {}.", tr(spec.help.trim()), tr("Allowed:"), spec.range());
     let options =
         SliderOptions { name, unit: spec.unit, range: spec.slider, logarithmic: spec.logarithmic, help: &help };
     let value = quantity.get();
@@ -97,7 +97,7 @@ pub fn formula_field(
     let mut text = typed.map_or_else(|| before.to_owned(), |[_, typed]| typed);
     let mut refused = None;
     ui.horizontal(|ui| {
-        let label = ui.monospace(name).on_hover_text(help);
+        let label = ui.monospace(name).on_hover_text(tr(help));
         // A long formula takes several lines.
         let field = TextEdit::multiline(&mut text).desired_rows(1).return_key(None);
         let field = field.font(TextStyle::Monospace).desired_width(f32::INFINITY);
@@ -118,7 +118,7 @@ pub fn formula_field(
                 data.remove::<[String; 2]>(id);
             }
         });
-        response.on_hover_text(help);
+        response.on_hover_text(tr(help));
     });
     if let Some(refused) = refused {
         ui.colored_label(ui.visuals().warn_fg_color, RichText::new(refused).small());
@@ -158,7 +158,7 @@ pub fn number(
 
 /// Draws the row with the name and the number field, and returns a new value.
 pub fn typed(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut SliderResponse) -> Option<f64> {
-    typed_as(ui, &capitalised(options.name), options, value, outcome)
+    typed_as(ui, &capitalised(tr(options.name)), options, value, outcome)
 }
 
 /// The same with a shorter word in place of the name, where what is around it tells the rest.
@@ -193,9 +193,10 @@ pub fn typed_as(
                 }
                 number
             });
-            let response = ui.add(widget).labelled_by(label.id).accessible_name(capitalised(options.name));
+            let response = ui.add(widget).labelled_by(label.id).accessible_name(capitalised(tr(options.name)));
             outcome.ended |= response.drag_stopped() || response.lost_focus();
-            response.on_hover_text(format!("{}\nDrag, or click to type, such as 30k, 2.5e4 or 1/3.", options.help));
+            let typing = tr("Drag, or click to type, such as 30k, 2.5e4 or 1/3.");
+            response.on_hover_text(format!("{}\n{typing}", options.help));
         });
     });
     if let Some(text) = not_a_number.take() {
@@ -219,7 +220,7 @@ fn dragged(ui: &mut Ui, options: &SliderOptions<'_>, value: f64, outcome: &mut S
     .clamping(SliderClamping::Never)
     .show_value(false)
     .trailing_fill(true);
-    let response = ui.add(slider).accessible_name(capitalised(options.name));
+    let response = ui.add(slider).accessible_name(capitalised(tr(options.name)));
     // A key or an assistive tool changes the value without a drag: each change is one gesture.
     outcome.ended |= response.drag_stopped() || (response.changed() && !response.dragged());
     response.on_hover_text(options.help);
@@ -299,7 +300,7 @@ pub fn segmented(ui: &mut Ui, salt: &str, segments: &[Segment<'_>], fill: bool) 
     let color = ui.visuals().text_color();
     let galleys: Vec<_> = segments
         .iter()
-        .map(|segment| ui.painter().layout_no_wrap(segment.text.to_owned(), font.clone(), color))
+        .map(|segment| ui.painter().layout_no_wrap(tr(segment.text).to_owned(), font.clone(), color))
         .collect();
     let text: f32 = galleys.iter().map(|galley| galley.size().x).sum();
     let count = segments.len() as f32;
@@ -315,10 +316,10 @@ pub fn segmented(ui: &mut Ui, salt: &str, segments: &[Segment<'_>], fill: bool) 
         left = rect.right();
         let id = ui.make_persistent_id((salt, index));
         let response = ui.interact(rect, id, Sense::click());
-        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, ui.is_enabled(), segment.on, segment.name));
+        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, ui.is_enabled(), segment.on, tr(segment.name)));
         let color = back(ui, &response, rect.shrink(2.0), segment.on);
         ui.painter().galley_with_override_text_color(rect.center() - 0.5 * galley.size(), galley, color);
-        if tip(response, segment.name, segment.about).clicked() {
+        if tip(response, tr(segment.name), tr(segment.about)).clicked() {
             clicked = Some(index);
         }
     }
@@ -347,13 +348,13 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, about: &str, lit: impl I
     let lit = lit.into();
     let sense = if lit == Lit::Disabled { Sense::hover() } else { Sense::click() };
     let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT, HEIGHT), sense);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, lit != Lit::Disabled, lit == Lit::On, name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, lit != Lit::Disabled, lit == Lit::On, tr(name)));
     let color = match lit {
         Lit::Disabled => ui.visuals().weak_text_color().gamma_multiply(0.5),
         _ => back(ui, &response, rect.shrink(1.0), lit == Lit::On),
     };
     icon.paint(ui.painter(), rect.center(), color);
-    tip(response, name, about)
+    tip(response, tr(name), tr(about))
 }
 
 /// Draws the background of a segment and returns its text colour.

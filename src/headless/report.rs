@@ -246,16 +246,14 @@ impl std::fmt::Display for CheckReport {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { name, at, unit, value, tolerance, measured, met, .. } = self;
         let name = terminal::line(name);
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match (measured, met) {
             (Some(measured), Some(met)) => {
                 let verdict = if *met { "met" } else { "missed" };
                 let digits = significant(*measured);
-                write!(
-                    out,
-                    "{name}: {measured:.digits$} {unit} at {at} s, known {value} ± {tolerance} {unit}: {verdict}"
-                )
+                write!(out, "{name}: {measured:.digits$}{unit} at {at} s, known {value} ± {tolerance}{unit}: {verdict}")
             }
-            _ => write!(out, "{name}: known {value} ± {tolerance} {unit} at {at} s, which this run did not pass"),
+            _ => write!(out, "{name}: known {value} ± {tolerance}{unit} at {at} s, which this run did not pass"),
         }
     }
 }

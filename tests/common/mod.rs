@@ -105,7 +105,9 @@ pub fn coarse(text: &str, file: &str) -> Level {
     let mut text = FEWER.iter().fold(text.to_owned(), |text, (many, few)| text.replace(many, few));
     // Elements of six nodes are four triangles each.
     if text.contains("element: ") {
-        text = text.replace("resolution: 250", "resolution: 100").replace("resolution: 200", "resolution: 100");
+        for many in ["resolution: 250", "resolution: 200", "resolution: 150"] {
+            text = text.replace(many, "resolution: 100");
+        }
     }
     files::parse(&text, file).unwrap()
 }

@@ -280,9 +280,10 @@ fn known_results_are_met() {
             assert!(placed.is_met(measured), "{file}, {}: {measured} {unit}", check.name);
             let (level, known, tolerance) = (file.trim_end_matches(".ron"), check.value.get(), check.tolerance.get());
             let Check { name, source, .. } = check;
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
             writeln!(
                 table,
-                "| `{level}` | {name} | {known} {unit} | {measured:.5e} {unit} | {tolerance} {unit} | {source} |"
+                "| `{level}` | {name} | {known}{unit} | {measured:.5e}{unit} | {tolerance}{unit} | {source} |"
             )
             .unwrap();
             count += 1;

@@ -28,9 +28,10 @@ fn row(ui: &mut Ui, reading: &CheckReading) {
     };
     let [known, tolerance] = [check.value.get(), check.tolerance.get()].map(|value| fixed(value, unit));
     let known = format!("known: {} ± {} at {} s", known.trim(), tolerance.trim(), check.at.get());
+    let exactly = |value: f64| format!("{value:.7} {unit}").trim_end().to_owned();
     let state = match (measured, is_met) {
-        (Some(value), true) => format!("It was met, with {value:.7} {unit}."),
-        (Some(value), false) => format!("It was missed, with {value:.7} {unit}."),
+        (Some(value), true) => format!("It was met, with {}.", exactly(*value)),
+        (Some(value), false) => format!("It was missed, with {}.", exactly(*value)),
         (None, _) => "It is measured when that time comes in a run from the start.".to_owned(),
     };
     let about = format!("{}\n{known}\n{}\n{state}", check.name, check.source);

@@ -81,7 +81,7 @@ impl EffectParameters for EdgeLoad {
     }
 
     fn rules_mut(&mut self) -> Option<Rules<'_>> {
-        Some(Rules { of: self.of.as_deref(), pins: &mut self.edges, are_of_edges: true })
+        Some(Rules { of: &mut self.of, pins: &mut self.edges, are_of_edges: true })
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {

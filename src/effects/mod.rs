@@ -128,7 +128,7 @@ impl EffectKind {
 /// Rules by which an effect names vertices or edges.
 pub struct Rules<'a> {
     /// Name of the body, net or membrane; all, if it is not said.
-    pub of: Option<&'a str>,
+    pub of: &'a mut Option<String>,
     /// The rules.
     pub pins: &'a mut Vec<Pin>,
     /// Whether they name the edges between those vertices.

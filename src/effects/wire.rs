@@ -117,7 +117,7 @@ impl EffectParameters for Wire {
     }
 
     fn rules_mut(&mut self) -> Option<Rules<'_>> {
-        Some(Rules { of: self.of.as_deref(), pins: &mut self.beads, are_of_edges: false })
+        Some(Rules { of: &mut self.of, pins: &mut self.beads, are_of_edges: false })
     }
 
     fn build(&self, elements: &Elements) -> Result<Box<dyn Effect>, String> {

@@ -53,7 +53,7 @@ impl Sandbox {
         let name = listed.name.clone();
         for effect in &mut document.level.effects {
             let Some(rules) = effect.effect.kind_mut().rules_mut() else { continue };
-            let is_own = rules.of.map_or(parts == 1, |of| *of == *name);
+            let is_own = rules.of.as_ref().map_or(parts == 1, |of| *of == name);
             if !is_own || rules.pins.iter().all(keeps) {
                 continue;
             }

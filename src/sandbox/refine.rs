@@ -78,7 +78,7 @@ impl Sandbox {
         let names: Vec<_> = document.level.part_names().cloned().collect();
         for effect in &mut document.level.effects {
             let Some(rules) = effect.effect.kind_mut().rules_mut() else { continue };
-            if rules.of.is_some_and(|of| names.get(part).is_none_or(|name| name != of)) {
+            if rules.of.as_ref().is_some_and(|of| names.get(part).is_none_or(|name| name != of)) {
                 continue;
             }
             let is_single = |pin: &Pin| matches!(pin, Pin::Vertex(_) | Pin::Nearest(_) | Pin::Random { .. });

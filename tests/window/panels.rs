@@ -8,7 +8,7 @@ use gingerbread::command::Mode;
 use gingerbread::effects::EffectKind;
 use gingerbread::hard::Case;
 use gingerbread::integrators::IntegratorKind;
-use gingerbread::level::SubstepMode;
+use gingerbread::level::{Pin, SubstepMode};
 use gingerbread::materials::{Model, Plane};
 use gingerbread::{files, levels};
 
@@ -465,4 +465,36 @@ fn a_key_switches_the_wind() {
     let mut window = in_mode("gingerbread", Mode::Simulate);
     press(&mut window, Key::W);
     assert!(window.state().snapshot().level.effects.iter().all(|listed| listed.effect.name() != "Wind"));
+}
+
+/// The menus of an edge load choose its sides and its body; what would load no edge is refused, and the scene stays.
+#[test]
+fn an_edge_load_acts_on_chosen_sides_of_a_chosen_body() {
+    let mut window = open("hertz");
+    let load = |window: &Window| {
+        let listed = &window.state().snapshot().level.effects[0].effect;
+        let EffectKind::EdgeLoad(load) = listed else { panic!("it is first: {listed:?}") };
+        (load.of.clone().unwrap_or_default(), load.edges.clone())
+    };
+    assert_eq!(load(&window), ("plate".to_owned(), vec![Pin::Top]));
+    click_in_panel(&mut window, "Loaded edges");
+    click(&mut window, "Top");
+    assert_eq!(load(&window).1, [Pin::Top], "a load needs an edge");
+    click(&mut window, "Right");
+    click(&mut window, "Top");
+    assert_eq!(load(&window).1, [Pin::Right]);
+    press(&mut window, Key::Escape);
+    click_in_panel(&mut window, "Loaded body");
+    click(&mut window, "dome");
+    // The dome has one vertex at the far right.
+    assert!(window.state().notice().is_some_and(|notice| notice.contains("names no edge")));
+    assert_eq!(load(&window), ("plate".to_owned(), vec![Pin::Right]));
+    click_in_panel(&mut window, "Loaded edges");
+    click(&mut window, "Bottom");
+    click(&mut window, "Right");
+    press(&mut window, Key::Escape);
+    click_in_panel(&mut window, "Loaded body");
+    click(&mut window, "dome");
+    assert_eq!(load(&window), ("dome".to_owned(), vec![Pin::Bottom]));
+    window.check_accessibility();
 }

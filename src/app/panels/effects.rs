@@ -5,10 +5,10 @@ use crate::{
     app::language::tr,
     command::Command,
     effects::{EffectKind, Group},
-    level::{EffectLevel, Switch, When},
+    level::{EffectLevel, Pin, Switch, When},
     snapshot::Snapshot,
 };
-use eframe::egui::{Button, RichText, Ui};
+use eframe::egui::{Button, Checkbox, ComboBox, PopupCloseBehavior, RichText, Ui};
 
 pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Command>) {
     if now.level.toy.is_some() {
@@ -54,6 +54,60 @@ fn auto(ui: &mut Ui, index: usize, effect: &EffectLevel, commands: &mut Vec<Comm
     }
 }
 
+/// Draws which body an edge load acts on, and on which of its sides.
+fn loaded(ui: &mut Ui, (index, effect): (usize, &EffectLevel), now: &Snapshot, commands: &mut Vec<Command>) {
+    let mut changed = effect.clone();
+    let Some(rules) = changed.effect.kind_mut().rules_mut().filter(|rules| rules.are_of_edges) else { return };
+    let before = (rules.of.clone(), rules.pins.clone());
+    ui.indent("loaded", |ui| {
+        if now.level.bodies.len() > 1 {
+            ui.horizontal(|ui| {
+                ui.label(tr("Body"));
+                let all = tr("All bodies");
+                let shown = rules.of.clone().unwrap_or_else(|| all.to_owned());
+                let menu = ComboBox::from_id_salt("loaded body").width(ui.available_width()).selected_text(shown);
+                let menu = menu.show_ui(ui, |ui| {
+                    ui.selectable_value(rules.of, None, all);
+                    for body in &now.level.bodies {
+                        ui.selectable_value(rules.of, Some(body.name.clone()), &body.name);
+                    }
+                });
+                menu.response.on_hover_text(tr("Which body the load acts on")).accessible_name(tr("Loaded body"));
+            });
+        }
+        ui.horizontal(|ui| {
+            ui.label(tr("Edges"));
+            let names: Vec<_> =
+                SIDES.iter().filter(|(_, side)| rules.pins.contains(side)).map(|(name, _)| tr(name)).collect();
+            let shown = if names.len() == rules.pins.len() { names.join(", ") } else { tr("Other").to_owned() };
+            let menu = ComboBox::from_id_salt("edges").width(ui.available_width()).selected_text(shown);
+            let menu = menu.close_behavior(PopupCloseBehavior::CloseOnClickOutside).show_ui(ui, |ui| {
+                for (name, side) in SIDES {
+                    let mut is_loaded = rules.pins.contains(&side);
+                    // A load needs an edge.
+                    let is_last = is_loaded && names.len() == 1;
+                    if ui.add_enabled(!is_last, Checkbox::new(&mut is_loaded, tr(name))).changed() {
+                        // Rules of other kinds come from the file, and give way to sides.
+                        rules.pins.retain(|pin| *pin != side && SIDES.iter().any(|(_, side)| side == pin));
+                        rules.pins.extend(is_loaded.then_some(side));
+                    }
+                }
+            });
+            let help = tr(
+                "Which of its sides the load acts on: all edges with both ends at the greatest or least x or y at rest. Rules of another kind, from the file, give way",
+            );
+            menu.response.on_hover_text(help).accessible_name(tr("Loaded edges"));
+        });
+    });
+    if before != (rules.of.clone(), rules.pins.clone()) {
+        commands.extend([Command::SetEffect(index, changed), Command::EndGesture]);
+    }
+}
+
+/// The sides of a body that a load may act on.
+const SIDES: [(&str, Pin); 4] =
+    [("Top", Pin::Top), ("Bottom", Pin::Bottom), ("Left", Pin::Left), ("Right", Pin::Right)];
+
 fn one(
     ui: &mut Ui,
     (index, effect): (usize, &EffectLevel),
@@ -80,6 +134,7 @@ fn one(
     });
     if on {
         obstacles::show(ui, (index, effect), now, view, commands);
+        loaded(ui, (index, effect), now, commands);
     }
     let mut changed = effect.clone();
     if !on || changed.effect.kind_mut().groups().iter().all(|group| group.numbers.is_empty()) {

@@ -408,7 +408,7 @@ Error-u3b7ub2 = Fehler η²
 Colour-by = Farbe nach
 Plain = Schlicht
 Energy = Energie
-Substeps = Teilschritte
+substeps = Teilschritte
 Smallest-J-det-F = Kleinstes J = det F
 Accuracy = Genauigkeit
 Meshes = Netze

@@ -161,14 +161,14 @@ impl Guard {
         (self.put_in, self.least, self.work) = (earlier.put_in, earlier.least, earlier.work);
     }
 
+    /// Keeps the least energy that was found before the last steps were replayed: a replay finds none between them. Obstacles may do other work in it.
+    pub fn keep_least(&mut self, before: &Self) {
+        self.least = self.least.min(before.least + self.work - before.work);
+    }
+
     /// Restores the available energy of an earlier moment: what was available in steps that are taken back never was.
     pub const fn restore_available(&mut self, earlier: &Self) {
         self.available = earlier.available;
-    }
-
-    /// Greatest available energy at a check since the last change from outside \[J\].
-    pub const fn available(&self) -> f64 {
-        self.available
     }
 
     /// Work of moving obstacles since the state was set \[J\].

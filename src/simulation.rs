@@ -78,6 +78,8 @@ pub struct Simulation {
     guard: Guard,
     /// The earliest step that the guard went back to since the last call of [`Self::taken_back`].
     taken_back: Option<u64>,
+    /// Least potential energy, less the work of obstacles, since the last call of [`Self::take_least_potential`] \[J\].
+    least_potential: Option<f64>,
     fault: Option<Fault>,
     overlaps: Overlaps,
     /// Counts changes of the scene, the state, the pull, and steps.
@@ -121,6 +123,7 @@ impl Simulation {
             measured_checks: Vec::new(),
             guard: Guard::default(),
             taken_back: None,
+            least_potential: None,
             fault: None,
             overlaps: Overlaps::default(),
             revision: 0,
@@ -178,7 +181,7 @@ impl Simulation {
         (self.scratch.clear_box, self.scratch.displacement_bound) = (None, -1.0);
         self.grab = None;
         self.guard.reset();
-        self.fault = None;
+        (self.fault, self.taken_back, self.least_potential) = (None, None, None);
         self.seek();
         self.await_end();
         self.forget_later_checks();
@@ -226,11 +229,6 @@ impl Simulation {
         (self.is_guarded() && !self.guard.is_new()).then(|| self.energies())
     }
 
-    /// Greatest energy that the guard found available since the last change from outside \[J\].
-    pub const fn available_energy(&self) -> f64 {
-        self.guard.available()
-    }
-
     /// Revision number; changes with the scene, the state and the pull.
     pub const fn revision(&self) -> u64 {
         self.revision
@@ -259,6 +257,13 @@ impl Simulation {
     /// The earliest step that the guard went back to since the last call; `None` if it did not.
     pub const fn taken_back(&mut self) -> Option<u64> {
         self.taken_back.take()
+    }
+
+    /// Least potential energy, less the [work of obstacles](Self::work_of_obstacles), at a check of the guard since the last call \[J\], in steps that
+    /// were kept; `None` if there was no check.
+    pub const fn take_least_potential(&mut self) -> Option<f64> {
+        (self.checkpoint.least_potential, self.older.least_potential) = (None, None);
+        self.least_potential.take()
     }
 
     /// Number of shorter steps that the guard takes for one now.
@@ -508,12 +513,14 @@ impl Simulation {
         if !self.needs_energy_check() {
             return !self.ends_frame() || self.keeps_bound();
         }
-        let after = self.energies();
+        let after = self.checked_energies();
         let mut verdict = self.guard.judge(&self.scene, None, after);
         if verdict == Verdict::Unknown {
+            let guard = self.guard.clone();
             self.go_back_to(self.state.steps - 1);
             let before = self.energies();
             self.step();
+            self.guard.keep_least(&guard);
             verdict = self.guard.judge(&self.scene, Some(before), after);
         }
         verdict == Verdict::Fine
@@ -534,14 +541,36 @@ impl Simulation {
         if !self.is_guarded() || self.is_asleep() || self.scene.integrator.kind().class() == Class::Implicit {
             return true;
         }
-        let energies = self.energies();
+        let energies = self.checked_energies();
         self.guard.keeps_bound(&self.scene, energies)
     }
 
-    /// Whether a state before a failed step may be kept: its energies are finite, and where the guard is on, possible.
-    fn is_kept(&self) -> bool {
+    /// Energies for a check of the guard.
+    fn checked_energies(&mut self) -> Energies {
         let energies = self.energies();
-        energies.total().is_finite() && !(self.is_guarded() && self.guard.is_impossible(&self.scene, energies.elastic))
+        let potential = energies.potential - self.guard.work();
+        self.least_potential = Some(self.least_potential.map_or(potential, |least| least.min(potential)));
+        energies
+    }
+
+    /// Goes back from a failed step, to the last step since `first` whose state may be kept: its energies are finite, and where the guard is on,
+    /// possible and within its bound, as those of all steps since the checkpoint.
+    fn go_back_from(&mut self, failed: u64, first: u64) {
+        self.go_back_to(self.checkpoint.state.steps);
+        let mut kept = first;
+        while self.state.steps + 1 < failed {
+            self.step();
+            let energies = self.energies();
+            let is_sound = |guard: &mut Guard| {
+                !guard.is_impossible(&self.scene, energies.elastic) && guard.keeps_bound(&self.scene, energies)
+            };
+            if !energies.total().is_finite() || self.is_guarded() && !is_sound(&mut self.guard) {
+                break;
+            }
+            kept = self.state.steps.max(first);
+        }
+        self.go_back_to(kept);
+        self.guard.restore_available(&self.checkpoint.guard);
     }
 
     /// Whether the guard needs all energies. After an implicit step their cost is small, and its equations may have a
@@ -573,6 +602,7 @@ impl Simulation {
         while self.is_guarded() && !gave_up && self.guard.refine(most) {
             self.go_back_to(began);
             self.guard.restore_available(&self.checkpoint.guard);
+            self.least_potential = self.checkpoint.least_potential;
             self.taken_back = Some(self.taken_back.map_or(began, |earlier| earlier.min(began)));
             self.scratch.counts.retaken += failed - began;
             self.checkpoint.counts = self.scratch.counts;
@@ -601,17 +631,15 @@ impl Simulation {
             }
         }
         let earlier = self.checkpoint.state.clone();
-        self.guard.restore_level(earlier_guard.level());
+        // All steps since the checkpoint had one length.
+        self.guard.restore_level(self.checkpoint.guard.level());
         self.guard.restore_available(&self.checkpoint.guard);
-        let (mut last, first) = (failed - 1, began.max(self.asked_at));
-        self.go_back_to(last);
+        self.least_potential = self.checkpoint.least_potential;
+        self.go_back_to(failed - 1);
         // The cause shows just before the failed step.
         let step = self.multirate.shortest(self.scene.step);
         let fault = Fault::find(&self.scene, [&self.state, &earlier], self.grab, step, finite);
-        while last > first && !self.is_kept() {
-            last -= 1;
-            self.go_back_to(last);
-        }
+        self.go_back_from(failed, began.max(self.asked_at));
         self.fault = Some(Fault { step: self.state.steps + 1, time: self.state.time, ..fault });
         false
     }

@@ -284,6 +284,16 @@ fn a_step_above_the_stability_limit_is_judged_unstable() {
     assert!(matches!(verdict.failure, Some(Failure::Energy | Failure::Stopped)), "{verdict:?}");
 }
 
+/// A bar whose ends are turned in every frame: each turn is a change from outside, but no new beginning.
+#[test]
+fn turning_pins_forgives_no_energy_from_nowhere() {
+    let twin = case("twist_20").undamped_twin().unwrap();
+    for method in [Method::PositionVerlet, Method::Heun] {
+        let verdict = to_the_end(Run::new(&twin, Model::Hencky, method).unwrap());
+        assert!(verdict.numbers.gain > 0.1 && verdict.numbers.gain <= Guard::EXCESS, "{method:?}: {verdict:?}");
+    }
+}
+
 #[test]
 fn energy_from_nowhere_is_noticed_even_after_more_was_dissipated() {
     let scene = |name: &str| common::simulation(&case(name).level).scene().clone();

@@ -59,18 +59,21 @@ impl Account {
     }
 
     /// Records the energies of a simulation after steps. States that its guard went back before since the last call no longer count for the
-    /// least energy: what was lost in them alone is still there in the steps that replaced them. What was available between two calls counts as
-    /// put in.
+    /// least energy: what was lost in them alone is still there in the steps that replaced them. What start and work allowed at a check
+    /// of the guard since then counts as put in.
     pub fn record_steps(&mut self, simulation: &mut Simulation) {
         let taken_back = simulation.taken_back().unwrap_or(u64::MAX);
         while let Some((_, least)) = self.recent.pop_back_if(|(step, _)| *step > taken_back) {
             self.least = least;
         }
+        if let Some(potential) = simulation.take_least_potential() {
+            let changes = self.work - simulation.work_of_obstacles();
+            self.put_in = self.put_in.max(self.start + changes - potential);
+        }
         self.recent.push_back((simulation.state().steps, self.least));
         if self.recent.len() > REMEMBERED {
             self.recent.pop_front();
         }
-        self.put_in = self.put_in.max(simulation.available_energy());
         self.record(simulation.energies());
     }
 

@@ -56,8 +56,10 @@ impl Simulation {
         if self.scratch.clear_box.take().is_none() {
             return false;
         }
+        let guard = self.guard.clone();
         self.go_back_to(self.state.steps - 1);
         self.step();
+        self.guard.keep_least(&guard);
         self.state.is_finite()
     }
 

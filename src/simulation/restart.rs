@@ -214,12 +214,14 @@ pub(super) struct Checkpoint {
     pub costs: Vec<EffectCost>,
     /// The guard at that moment.
     pub guard: Guard,
+    /// What [`Simulation::take_least_potential`] would have given then.
+    pub least_potential: Option<f64>,
 }
 
 impl Checkpoint {
     /// Makes a checkpoint of an earlier part of the run, with the given counts and costs.
     pub fn new(state: State, guard: Guard, (counts, costs): (Counts, &[EffectCost])) -> Self {
-        Self { state, counts, costs: costs.to_vec(), guard }
+        Self { state, counts, costs: costs.to_vec(), guard, least_potential: None }
     }
 }
 
@@ -232,6 +234,7 @@ impl Simulation {
         self.checkpoint.counts = self.scratch.counts;
         self.checkpoint.costs.clone_from(&self.scratch.costs);
         self.checkpoint.guard = self.guard.clone();
+        self.checkpoint.least_potential = self.least_potential;
     }
 
     /// Returns to a step since the checkpoint by replay: the same steps give the same bits.

@@ -271,7 +271,13 @@ impl Simulation {
                     let angle = by.get().to_radians() / crate::level::frame(over).max(1) as f64;
                     let (state, grab) = (turned(&self.scene, &self.state, side, angle), self.grab);
                     self.change(listener, |own| {
+                        // The run goes on, and so does the account of its energy.
+                        let (before, guard) = (own.watched(), own.guard.clone());
                         own.set_state(state);
+                        if let Some(before) = before {
+                            own.guard = guard;
+                            own.guard.changed(before, own.energies());
+                        }
                         own.set_grab(grab);
                     });
                 }

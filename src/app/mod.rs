@@ -117,7 +117,7 @@ impl App {
             None => Gallery::default().first().unwrap_or_default(),
         };
         let mut app = Self::with_level(&cc.egui_ctx, level, Box::new(Disk))?;
-        // A browser tells what it can code a moment after it is asked.
+        // The first call asks a browser what it can code; the answer comes a moment later.
         let _ = FilmFormat::offered().count();
         if let Some(storage) = cc.storage {
             app.recall(storage);

@@ -36,7 +36,7 @@ pub trait FilmEncoder {
     /// The encoder's own words.
     fn add(&mut self, picture: Picture) -> Result<(), String>;
 
-    /// Whether more frames are to wait. An encoder may code beside.
+    /// Whether more frames are to wait. An encoder may code in the background.
     fn is_busy(&self) -> bool {
         false
     }

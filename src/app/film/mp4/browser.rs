@@ -1,4 +1,4 @@
-//! The browser's encoder of H.264 (WebCodecs), which codes beside the page.
+//! The browser's encoder of H.264 (WebCodecs), which codes in the background.
 
 use super::{
     super::{LARGEST, Recorder},
@@ -26,7 +26,7 @@ pub(super) const MOST: [usize; 2] = [1280, 720];
 /// Bits that a pixel of a frame may take.
 const BITS: f64 = 0.6;
 
-/// What the encoder told so far.
+/// Output of the encoder so far.
 #[derive(Default)]
 struct Told {
     coded: VecDeque<CodedFrame>,
@@ -41,11 +41,11 @@ pub(super) struct Coder {
     rate: u32,
     is_ending: bool,
     told: Rc<RefCell<Told>>,
-    /// What the encoder calls as long as it lives.
+    /// Callbacks of the encoder, which are kept as long as it is.
     _calls: (Closure<dyn FnMut(EncodedVideoChunk)>, Closure<dyn FnMut(DomException)>),
 }
 
-/// Whether the browser has an encoder of H.264. It is asked at the first call, and tells a moment later.
+/// Whether the browser has an encoder of H.264. The first call asks, and its answer comes a moment later.
 pub fn is_available() -> bool {
     thread_local! {
         static TOLD: Cell<Option<bool>> = const { Cell::new(None) };
@@ -76,7 +76,7 @@ fn config(size: [usize; 2], rate: u32) -> Result<VideoEncoderConfig, JsValue> {
     Ok(config)
 }
 
-/// What the browser says of an error.
+/// Message of an error of the browser.
 fn words(error: &JsValue) -> String {
     error.dyn_ref::<js_sys::Error>().map_or_else(|| format!("{error:?}"), |error| String::from(error.message()))
 }

@@ -37,7 +37,7 @@ impl Coder {
     }
 
     /// Whether more frames are to wait.
-    #[expect(clippy::unused_self, reason = "that of a browser codes beside")]
+    #[expect(clippy::unused_self, reason = "that of a browser codes in the background")]
     pub const fn is_busy(&self) -> bool {
         false
     }
@@ -58,7 +58,7 @@ impl Coder {
     }
 
     /// Whether all frames are coded.
-    #[expect(clippy::unused_self, reason = "that of a browser codes beside")]
+    #[expect(clippy::unused_self, reason = "that of a browser codes in the background")]
     pub const fn is_done(&mut self) -> bool {
         true
     }

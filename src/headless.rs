@@ -28,6 +28,7 @@ pub use series::{Recording, Series};
 pub use study::{Study, study};
 pub use sweep::{MergeRequest, SweepRequest, merge, sweep};
 
+use crate::clock::Instant;
 use crate::{
     archive::States,
     files::{self, FileError},
@@ -48,7 +49,6 @@ use std::{
     path::{Path, PathBuf},
     time::Duration,
 };
-use web_time::Instant;
 
 /// What to run and what to write.
 #[derive(Clone, Debug, Default, clap::Args)]

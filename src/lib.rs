@@ -23,6 +23,7 @@
 //! | [`text`] | decoding of text files |
 //! | [`quantity`] | physical quantities with unit and valid range |
 //! | [`registry`] | the lists of kinds, and own kinds from outside |
+//! | [`clock`] | wall time, and with the feature `processor-time` that of a thread |
 //! | [`terminal`] | text for a terminal: escaped control characters, no panic where a stream is closed |
 //! | `table` | tables as CSV; feature `csv` |
 //! | `random` | pseudo-random numbers with a fixed seed |
@@ -69,6 +70,7 @@ pub mod quantity;
 
 pub mod registry;
 
+pub mod clock;
 #[cfg(feature = "csv")]
 pub mod table;
 pub mod terminal;

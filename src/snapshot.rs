@@ -11,6 +11,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use crate::clock::Instant;
 use crate::{
     command::{Mode, Pose},
     effects::{Effect as _, EffectKind, Grab},
@@ -26,7 +27,6 @@ use crate::{
     scene::{Body, extent},
 };
 use std::{ops::Range, sync::Arc, time::Duration};
-use web_time::Instant;
 
 pub use crate::{
     elements::Field,

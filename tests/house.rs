@@ -8,6 +8,7 @@ const ROOMS: &[&[&str]] = &[
     &["text"],
     &["quantity"],
     &["registry"],
+    &["clock"],
     &["terminal"],
     &["table"],
     &["random"],

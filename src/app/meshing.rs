@@ -1,6 +1,7 @@
 //! Meshes large bodies in the background.
 
 use super::compare::Pane;
+use crate::clock::Instant;
 use crate::{
     level::{BodyLevel, Level},
     meshes::{MeshKind, NoFiles},
@@ -8,7 +9,6 @@ use crate::{
     scene::{Body, Scene},
 };
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use web_time::Instant;
 
 /// Number of triangles above which a mesh is generated in the background. This many take about a tenth of a second.
 const LARGE: f64 = 5000.0;

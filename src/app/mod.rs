@@ -39,6 +39,7 @@ pub use canvas::Options;
 pub use film::{FilmEncoder, FilmFormat};
 pub use stage::Stage;
 
+use crate::clock::Instant;
 use arrows::Arrows;
 use canvas::{Canvas, Tool};
 use clock::{Clock, Spent};
@@ -53,7 +54,6 @@ use meshing::Meshing;
 use panels::{FileRequest, History, Meter, Notice, PanelContext, View};
 use probes::{ProbeRequest, Probes};
 use std::path::PathBuf;
-use web_time::Instant;
 
 /// Time budget for steps in a frame \[s\]. The rest of 1/60 s is for drawing.
 const BUDGET: f64 = 0.012;

@@ -2,6 +2,7 @@
 
 use super::{Account, random_contact, verdict::Count};
 use crate::{
+    clock::Stopwatch,
     elements::ElementKind,
     files,
     guard::Guard,
@@ -13,7 +14,7 @@ use crate::{
     random,
     scene::Scene,
     simulation::Simulation,
-    study::{Stopwatch, with_triangles},
+    study::with_triangles,
 };
 
 /// Random variation of a level: other materials, masses, effects, steps, start shapes and velocities, and a pull by the mouse. Or a random

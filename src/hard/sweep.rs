@@ -1,13 +1,13 @@
 //! Many runs of hard cases on several threads.
 
 use super::{Case, Method, Reference, Run, Verdict, reference::ReferenceRun};
+use crate::clock::Instant;
 use crate::{
     materials::Model,
     scene::SceneError,
     study::{Deadline, Progress, spread},
 };
 use std::{sync::Arc, time::Duration};
-use web_time::Instant;
 
 /// Case with the model and the method under test.
 #[derive(Clone, Debug)]

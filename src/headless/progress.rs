@@ -2,6 +2,7 @@
 //!
 //! The first SIGINT or SIGTERM stops a command after the present step, the second ends it at once.
 
+use crate::clock::Instant;
 use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::{
@@ -17,7 +18,6 @@ use std::{
     thread::JoinHandle,
     time::Duration,
 };
-use web_time::Instant;
 
 /// How progress is shown.
 #[derive(Clone, Debug, clap::Args)]

@@ -1,6 +1,7 @@
 //! `gingerbread break`: searches for random runs of a level that go wrong.
 
 use super::{Ending, HeadlessError, Interrupt, Outputs, ProgressOptions, read, start, thread_count};
+use crate::clock::Instant;
 use crate::{
     files::{self, FileError},
     guard::Guard,
@@ -14,7 +15,6 @@ use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
 };
-use web_time::Instant;
 
 /// What to search, and for how long.
 #[derive(Clone, Debug, clap::Args)]

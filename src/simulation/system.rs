@@ -1,6 +1,7 @@
 //! A scene, or a toy, as a system for integrators, with the scratch and the statistics of its steps.
 
 use super::contacts::{Contacts, contacts, surface_contact};
+use crate::clock::Instant;
 use crate::{
     contact::ContactProperties,
     effects::{Bounds, Effect, Grab, Motion, NO_OBSTACLE_NEAR},
@@ -13,7 +14,6 @@ use crate::{
     toys::Toy,
 };
 use std::sync::Arc;
-use web_time::Instant;
 
 /// Reason for skipping elements of sleeping bodies.
 pub(super) const ASLEEP: &str = "asleep";

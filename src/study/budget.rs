@@ -14,11 +14,12 @@
 use super::{
     Progress, StudyError,
     difference::positions,
-    march::{Deadline, Stopwatch, spread},
+    march::{Deadline, spread},
     other_meshes::{with_elements, with_triangles},
     reference::STILL,
 };
 use crate::{
+    clock::{RESOLUTION, Stopwatch},
     effects::EffectKind,
     elements::ElementKind,
     integrators::{Class, Integrator as _, IntegratorKind},
@@ -255,7 +256,7 @@ impl Run {
         let moved = (apart / base.motion).sqrt();
         self.source.moved = Some(moved);
         self.source.error = self.order.map(|order| moved / (1.0 - libm::pow(2.0, -order)));
-        self.source.price = Some(frames.seconds / base.seconds.max(super::RESOLUTION.as_secs_f64()));
+        self.source.price = Some(frames.seconds / base.seconds.max(RESOLUTION.as_secs_f64()));
     }
 }
 

@@ -1,9 +1,10 @@
 //! CSV tables of the studies, and their header lines: level, commit and machine.
 
 use super::{
-    CLOCK, Dial, Drift, ErrorBudget, ErrorSource, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy,
-    Outcome, Reached, Status, Trial, WorkPrecision, order_in_words,
+    Dial, Drift, ErrorBudget, ErrorSource, Invariant, LockingNumber, MOST_RUNS, MeasuredOrder, MeshStudy, Outcome,
+    Reached, Status, Trial, WorkPrecision, order_in_words,
 };
+use crate::clock::CLOCK;
 use crate::table::{Table, remark};
 use std::sync::OnceLock;
 

@@ -1,13 +1,16 @@
-//! Runs of a study and their time: steps frame by frame, processor time, repetitions, threads.
-//!
-//! Processor time is that of a thread, which excludes other programs. It is wall time where the system does not state it.
+//! Runs of a study: steps frame by frame, their processor time, repetitions, threads.
 
 use super::Setting;
-use crate::{level::Sleep, scene::Scene, simulation::Simulation, state::State};
+use crate::{
+    clock::{Duration, Instant, RESOLUTION, Stopwatch},
+    level::Sleep,
+    scene::Scene,
+    simulation::Simulation,
+    state::State,
+};
+use std::ops::ControlFlow;
 #[cfg(not(target_arch = "wasm32"))]
 use std::sync::{Mutex, PoisonError};
-use std::{ops::ControlFlow, time::Duration};
-use web_time::Instant;
 
 /// End of the time budget of a call.
 #[derive(Clone, Copy, Debug)]
@@ -106,46 +109,6 @@ impl March {
     pub fn ms_per_second(&self) -> f64 {
         let seconds = (f64::from(self.frame) + self.taken as f64 / self.substeps as f64) / 60.0;
         if seconds > 0.0 { self.spent.max(RESOLUTION).as_secs_f64() * 1e3 / seconds } else { 0.0 }
-    }
-}
-
-/// Kind of the measured times, in plain words.
-pub const CLOCK: &str = if cfg!(target_arch = "wasm32") {
-    "wall time, which a browser tells to 0.1 ms"
-} else {
-    "processor time of the thread that computes"
-};
-
-/// Unit of the measured times, for axes.
-pub const MILLISECONDS: &str = if cfg!(target_arch = "wasm32") { "ms" } else { "processor ms" };
-
-/// Least time that the clock tells. Browsers round it so that pages cannot time each other.
-pub const RESOLUTION: Duration = if cfg!(target_arch = "wasm32") { Duration::from_micros(100) } else { Duration::ZERO };
-
-/// Stopwatch. It is started and read in the same thread.
-pub struct Stopwatch {
-    wall: Instant,
-    #[cfg(not(target_arch = "wasm32"))]
-    processor: Option<cpu_time::ThreadTime>,
-}
-
-impl Stopwatch {
-    /// Starts the stopwatch.
-    pub fn start() -> Self {
-        Self {
-            wall: Instant::now(),
-            #[cfg(not(target_arch = "wasm32"))]
-            processor: cpu_time::ThreadTime::try_now().ok(),
-        }
-    }
-
-    /// Time since the start.
-    pub fn elapsed(&self) -> Duration {
-        #[cfg(not(target_arch = "wasm32"))]
-        if let Some(elapsed) = self.processor.and_then(|processor| processor.try_elapsed().ok()) {
-            return elapsed;
-        }
-        self.wall.elapsed()
     }
 }
 

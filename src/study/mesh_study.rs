@@ -2,13 +2,14 @@
 
 use super::{
     Limits, Measure, MeasuredOrder, NoOrder, Progress, Sample, Setting, Status, StudyError, Trial,
-    march::{Deadline, March, Repetitions, Stopwatch, spread},
+    march::{Deadline, March, Repetitions, spread},
     measured_order,
     other_meshes::{refine, with_elements},
     solutions, threads,
     trial::limit,
 };
 use crate::{
+    clock::Stopwatch,
     elements::ElementKind,
     integrators::Class,
     level::{Level, Substeps},

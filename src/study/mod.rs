@@ -50,8 +50,8 @@ pub use drift::{Drift, DriftRun, Invariant, Moment};
 #[cfg(feature = "csv")]
 pub use export::{Origin, head, is_time_column, price_in_words};
 pub use locking::{Locking, LockingNumber, MeshKindOf};
-pub use march::{CLOCK, MILLISECONDS, MOST_RUNS, RESOLUTION, share_partitions, threads};
-pub(crate) use march::{Deadline, Stopwatch, spread};
+pub(crate) use march::{Deadline, spread};
+pub use march::{MOST_RUNS, share_partitions, threads};
 pub use measure::Measure;
 pub use mesh_study::{
     MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshSeries, MeshStudy, NoMeshReference, Refinement,

@@ -1,10 +1,8 @@
 //! Time saved by skipping inactive effects.
 
-use super::{
-    Progress, StudyError,
-    march::{Deadline, Stopwatch},
-};
+use super::{Progress, StudyError, march::Deadline};
 use crate::{
+    clock::Stopwatch,
     level::{Level, Sleep, Switch},
     meshes::Files,
     scene::Scene,

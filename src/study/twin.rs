@@ -3,11 +3,11 @@
 
 use super::{
     ClosedForm,
-    march::{Deadline, Stopwatch},
+    march::Deadline,
     reference::{STILL, finest},
     trial::{Deviation, limit},
 };
-use crate::{effects::Grab, level::Sleep, scene::Scene, simulation::Simulation, state::State};
+use crate::{clock::Stopwatch, effects::Grab, level::Sleep, scene::Scene, simulation::Simulation, state::State};
 use std::{collections::VecDeque, sync::Arc, time::Duration};
 
 /// Fine reference run beside a live simulation. It takes a whole number of shorter steps for each live step.

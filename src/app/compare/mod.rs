@@ -14,6 +14,7 @@ use super::{
     panels::{History, WINDOW},
     theme::Theme,
 };
+use crate::clock::Instant;
 use crate::{
     command::{About, Command, Spot},
     inversion_recovery::Tangle,
@@ -25,7 +26,6 @@ use crate::{
 };
 use eframe::egui::Color32;
 use std::collections::VecDeque;
-use web_time::Instant;
 
 /// One of the two panes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! File dialogs of the system.
 
 use super::{DialogResult, Purpose};
+use crate::clock::{Duration, Instant};
 use crate::{app::making::ENDINGS, files::FileError};
 use eframe::egui::{Context, DroppedFileHandle};
 use rfd::{AsyncFileDialog, FileHandle};
@@ -10,7 +11,6 @@ use std::{
     sync::Arc,
     task::{Poll, Wake, Waker},
 };
-use web_time::{Duration, Instant};
 
 /// Minimum time in which a user can close a dialog. A dialog that closed sooner without a file was never shown.
 const TOO_FAST: Duration = Duration::from_millis(250);

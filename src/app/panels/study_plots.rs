@@ -14,10 +14,11 @@ use crate::{
         numbers,
         theme::Theme,
     },
+    clock::MILLISECONDS,
     command::Command,
     study::{
-        Curve, Invariant, LockingNumber, MILLISECONDS, Measure, MeasuredOrder, MeshMoment, MeshReference, MeshSeries,
-        Outcome, Point, Price, Status, price_in_words,
+        Curve, Invariant, LockingNumber, Measure, MeasuredOrder, MeshMoment, MeshReference, MeshSeries, Outcome, Point,
+        Price, Status, price_in_words,
     },
 };
 use eframe::egui::{Align2, Color32, ComboBox, Grid, RichText, TextStyle, Ui, pos2};

@@ -12,12 +12,13 @@
 //! ```
 
 use crate::{
-    effects::{Grab, Motion},
+    effects::{Effect, Grab, Motion},
     elements::{CoupledMass, MassSolver, reserve_scratch},
     random::irregular,
     scene::Scene,
     state::State,
 };
+use std::sync::Arc;
 
 /// Longest stable step of symplectic Euler near a state under a pull \[s\], or `None` if there is no stiffness or it is NaN. The
 /// same value holds for both Verlet schemes without damping.
@@ -25,6 +26,14 @@ pub fn critical_step(scene: &Scene, state: &State, grab: Option<Grab>) -> Option
     let mut probe = StabilityProbe::default();
     let square = probe.converged_eigenvalue(scene, scene.motion(state, grab))?;
     probe.longest_step(scene, scene.motion(state, grab), square)
+}
+
+/// The same at rest, as if no contact were damped: what overlaps at rest would damp it without bound.
+pub fn critical_step_at_rest(scene: &Scene) -> Option<f64> {
+    let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
+    let mut probe = StabilityProbe { ignores_contact_damping: true, ..StabilityProbe::default() };
+    let square = probe.converged_eigenvalue(scene, scene.motion(&rest, None))?;
+    probe.longest_step(scene, scene.motion(&rest, None), square)
 }
 
 /// The largest eigenvalue of M⁻¹ K [1/s²], K the stiffness of all effects at the state under a pull; converged.
@@ -56,6 +65,7 @@ pub struct StabilityProbe {
     product: Vec<f64>,
     scratch: Vec<f64>,
     mass_solver: MassSolver,
+    ignores_contact_damping: bool,
 }
 
 impl StabilityProbe {
@@ -189,8 +199,10 @@ impl StabilityProbe {
     /// for it, taken at the old velocity: the characteristic polynomial `z² - (2 - h c - h² w²) z + (1 - h c)` has both roots
     /// inside the unit circle while `h² w² + 2 h c < 4`. Without damping that is h < 2/w.
     fn longest_step(&mut self, scene: &Scene, motion: Motion<'_>, square: f64) -> Option<f64> {
-        let dampings =
-            scene.effects.iter().filter(|effect| !effect.damps_by_shape()).map(|effect| effect.damping(motion));
+        let damps = |effect: &&Arc<dyn Effect>| {
+            !(effect.damps_by_shape() || self.ignores_contact_damping && effect.contact().is_some())
+        };
+        let dampings = scene.effects.iter().filter(damps).map(|effect| effect.damping(motion));
         let [alpha, beta] = dampings.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
         // Forces on single vertices, whose rates are by lumped masses, act on less with the whole matrix.
         let lighter = if scene.coupled_mass.is_empty() { 1.0 } else { CoupledMass::LIGHTEST };

@@ -24,7 +24,7 @@ use crate::{
     level::Substeps,
     report::SubstepPlan,
     scene::{Scene, SubScene},
-    stability::critical_step,
+    stability::critical_step_at_rest,
     state::State,
 };
 use std::{ops::Range, sync::Arc};
@@ -127,10 +127,7 @@ impl Multirate {
 
 impl SubstepStepper {
     fn new(whole: &Scene, sub_scene: &Arc<SubScene>) -> Self {
-        let limit = sub_scene.limit(|scene| {
-            let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
-            critical_step(scene, &rest, None)
-        });
+        let limit = sub_scene.limit(critical_step_at_rest);
         // Forward Euler and Heun have no stable step without damping: the limit of symplectic Euler is taken for them.
         let stability_limit = whole.integrator.kind().stability_limit().filter(|limit| *limit > 0.0).unwrap_or(2.0);
         let wanted = limit.map_or(1.0, |limit| whole.step / (SAFETY_FACTOR * 0.5 * stability_limit * limit));

@@ -162,6 +162,19 @@ fn multirate_stepping_leads_out_as_common_steps_do() {
     assert!(apart < 5e-3, "{apart:e}");
 }
 
+/// What a body overlaps at rest does not shorten its substeps, however strongly contact is damped.
+#[test]
+fn substeps_of_a_body_do_not_depend_on_what_it_begins_in() {
+    let substeps = |centre: [f64; 2]| {
+        let effects = "effects: [(effect: Walls(obstacles: [Ball(centre: (0.5, 0.5), radius: 0.15, eps: 0.005)])), (effect: Restitution(coefficient: 0.1))]";
+        let level = disk(centre, ("SymplecticEuler", 1), "Corotated", effects);
+        let simulation = simulation(&Level { paces: SubstepMode::Own, ..level });
+        simulation.substep_plans().next().unwrap().steps
+    };
+    let (apart, inside) = (substeps([0.5, 2.0]), substeps([0.5, 0.55]));
+    assert_eq!(apart, inside);
+}
+
 #[test]
 fn walls_switched_on_over_a_limb_are_told_and_flatten_nothing() {
     let mut low = files::parse(built_in("gingerbread").unwrap(), "gingerbread.ron").unwrap();

@@ -16,7 +16,7 @@ use gingerbread::{
     inversion_recovery::Tangle,
     level::{Level, Substeps},
     levels::HARD,
-    materials::Model,
+    materials::{Model, TypedEnergy},
     meshes::NoFiles,
     quantity::Spin,
     report::Energies,
@@ -42,6 +42,25 @@ fn to_the_end(mut run: Run) -> Verdict {
 
 fn verdict(case: &Case, model: Model, method: Method) -> Verdict {
     to_the_end(Run::new(case, model, method).unwrap())
+}
+
+/// A typed energy is judged as the model whose formula it is, by every method, in the plane and in space.
+#[test]
+fn a_typed_energy_is_judged_as_the_model_that_it_copies() {
+    let typed = Arc::new(TypedEnergy::new(TypedEnergy::NEO_HOOKEAN, Vec::new()).unwrap());
+    for (name, methods) in [("stretch_2", &Method::ALL[..]), ("cloth_needle", &[Method::ImplicitEuler])] {
+        for method in methods {
+            let own = case(name);
+            let [built_in, typed] = [None, Some(Arc::clone(&typed))]
+                .map(|energy| verdict(&own.clone().with_energy(energy), Case::TYPED, *method));
+            assert_eq!(typed.is_stable(), built_in.is_stable(), "{name} {method:?}");
+            if !typed.is_stable() {
+                continue;
+            }
+            let strains = [&built_in, &typed].map(|verdict| verdict.numbers.strain.unwrap_or_default());
+            assert!((strains[0] - strains[1]).abs() <= 1e-3 * strains[0].abs() + 1e-9, "{name} {method:?} {strains:?}");
+        }
+    }
 }
 
 /// Cell of a line of a table, by its column.

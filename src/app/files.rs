@@ -53,8 +53,8 @@ impl App {
                 Ok(level) => drop(self.start(level)),
                 Err(message) => self.view.notice = Some(Notice::Trouble(message)),
             },
-            FileRequest::Hard { name, undamped, model, method } => {
-                match self.gallery.hard_level(name, undamped, model, method) {
+            FileRequest::Hard { name, undamped, model, energy, method } => {
+                match self.gallery.hard_level((name, undamped), (model, energy), method) {
                     Ok(level) => {
                         // The window would cover the scene.
                         self.view.hard.open = false;

@@ -5,9 +5,9 @@ use crate::{
     hard::{Case, Method},
     level::Level,
     levels,
-    materials::Model,
+    materials::{Model, TypedEnergy},
 };
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 /// Level of the picker.
 pub struct Entry {
@@ -63,14 +63,20 @@ impl Gallery {
         &self.hard
     }
 
-    /// Level of a hard case, or of its undamped twin, with a model and a method.
+    /// Level of a hard case, or of its undamped twin, with a model or a typed energy and a method.
     ///
     /// # Errors
     /// A message if there is no such case or it cannot be prepared.
-    pub fn hard_level(&self, name: &str, undamped: bool, model: Model, method: Method) -> Result<Level, String> {
+    pub fn hard_level(
+        &self,
+        (name, undamped): (&str, bool),
+        (model, energy): (Model, Option<Arc<TypedEnergy>>),
+        method: Method,
+    ) -> Result<Level, String> {
         let (_, case) = self.hard.iter().find(|(known, _)| *known == name).ok_or("there is no such hard case")?;
         let twin = if undamped { case.undamped_twin() } else { None };
-        twin.as_ref().unwrap_or(case).watched(model, method).map_err(|error| error.to_string())
+        let case = twin.unwrap_or_else(|| case.clone()).with_energy(energy);
+        case.watched(model, method).map_err(|error| error.to_string())
     }
 
     /// Reads the level that the program starts with.

@@ -5,7 +5,7 @@ use crate::{
     files::{self, FileError},
     level::{BodyLevel, Level, MembraneLevel, ScriptedAction, Substeps},
     levels,
-    materials::Model,
+    materials::{Model, TypedEnergy},
     meshes::NoFiles,
     quantity::{OutOfRange, Position, Time},
     scene::{Scene, SceneError},
@@ -38,6 +38,9 @@ pub struct Case {
     /// Whether its meshes were made finer.
     #[serde(skip)]
     fine: bool,
+    /// A typed energy in place of those of all models.
+    #[serde(skip)]
+    energy: Option<Arc<TypedEnergy>>,
     /// The case that this one is the undamped twin of.
     #[serde(skip)]
     damped: Option<Arc<Case>>,
@@ -102,13 +105,33 @@ impl Case {
         }
     }
 
-    /// Level with the case's actions, one model for all bodies and membranes, and the integrator of a method.
+    /// Model whose elastic moduli a typed energy knows.
+    pub const TYPED: Model = Model::NeoHookean;
+
+    /// The same case with a typed energy for all bodies and membranes, or with the energies of the models again.
+    #[must_use]
+    pub fn with_energy(mut self, energy: Option<Arc<TypedEnergy>>) -> Self {
+        self.damped = self.damped.map(|damped| Arc::new(Self::clone(&damped).with_energy(energy.clone())));
+        self.energy = energy;
+        self
+    }
+
+    /// The typed energy of all bodies and membranes, if there is one.
+    pub const fn energy(&self) -> Option<&Arc<TypedEnergy>> {
+        self.energy.as_ref()
+    }
+
+    /// Level with the case's actions, one model (or the typed energy) for all bodies and membranes, and the integrator of a method.
     pub fn level(&self, model: Model, method: Method) -> Level {
-        let body =
-            |body: &BodyLevel| BodyLevel { material: body.material.with_model(model), energy: None, ..body.clone() };
+        let energy = self.energy.as_deref();
+        let body = |body: &BodyLevel| BodyLevel {
+            material: body.material.with_model(model),
+            energy: energy.cloned(),
+            ..body.clone()
+        };
         let cloth = |cloth: &MembraneLevel| MembraneLevel {
             material: cloth.material.with_model(model),
-            energy: None,
+            energy: energy.cloned(),
             ..cloth.clone()
         };
         let bodies = self.level.bodies.iter().map(body).collect();
@@ -129,6 +152,9 @@ impl Case {
 
     /// Known failure of a model and a method in this case, if any.
     pub fn cannot(&self, model: Model, method: Method) -> Option<&Cannot> {
+        if self.energy.is_some() {
+            return None;
+        }
         let listed = |cannot: &&Cannot| {
             (self.fine || !cannot.fine)
                 && (self.is_undamped_twin() || !cannot.undamped)

@@ -80,7 +80,9 @@ impl Experiment {
                 case.level = case.level.with_effect(Compression::default());
                 Run::new(&case, model, method)?
             }
-            Self::Model(other) if other != model => Run::new(case, other, method)?,
+            Self::Model(other) if other != model || case.energy().is_some() => {
+                Run::new(&case.clone().with_energy(None), other, method)?
+            }
             Self::By(other) if other != method => Run::new(case, model, other)?,
             Self::Damped if case.is_undamped_twin() => Run::new(case.damped(), model, method)?,
             Self::DampedMotion if case.is_undamped_twin() => {

@@ -23,6 +23,11 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Name of the material: that of the model, or `Typed`.
+    pub fn material(&self) -> &'static str {
+        if self.case.energy().is_some() { "Typed" } else { self.model.name() }
+    }
+
     /// Name of the case, with a mark if this is its undamped twin.
     pub fn title(&self) -> String {
         let twin = if self.case.is_undamped_twin() { " undamped" } else { "" };

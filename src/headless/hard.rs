@@ -9,7 +9,7 @@ use crate::{
         row,
     },
     levels,
-    materials::Model,
+    materials::{MaterialParameters, Model, TypedEnergy},
     meshes::NoFiles,
     scene::Scene,
     study::{Deadline, Progress, StudyError, spread, threads},
@@ -47,6 +47,9 @@ pub struct Hard {
     /// One constitutive model instead of all.
     #[arg(long, value_parser = Model::from_str)]
     pub model: Option<Model>,
+    /// A typed energy instead of all models: a formula of I1 and J [J/m²] that knows mu, lambda, E and nu of the materials of the cases.
+    #[arg(long, value_name = "FORMULA", value_parser = energy, conflicts_with = "model")]
+    pub energy: Option<Arc<TypedEnergy>>,
     /// One integrator instead of all.
     #[arg(long, value_parser = method)]
     pub integrator: Option<Method>,
@@ -60,7 +63,7 @@ pub struct Hard {
     #[arg(long)]
     pub experiments: bool,
     /// Runs so many random variations of the built-in levels instead, with all integrators and models, for 100 steps each.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times", "model", "integrator", "twins", "no_reference", "experiments"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["cases", "csv", "seeds", "triangles", "times", "model", "energy", "integrator", "twins", "no_reference", "experiments"])]
     pub random: Option<u32>,
     /// Random scenes of contact instead of variations of the built-in levels: bodies and cloth that fly at each other and at moving obstacles.
     #[arg(long, requires = "random")]
@@ -90,9 +93,11 @@ pub fn hard(request: &Hard) -> Result<Ending, HeadlessError> {
     if let Some(count) = request.random {
         return random(request, count);
     }
-    let cases = read(request)?;
+    let cases: Vec<_> =
+        read(request)?.into_iter().map(|(name, case)| (name, case.with_energy(request.energy.clone()))).collect();
     let mut outputs = Outputs::new(&[("--csv", request.csv.as_ref())], &request.cases)?;
-    let models = request.model.map_or(Model::ALL.to_vec(), |model| vec![model]);
+    let model = request.model.or_else(|| request.energy.as_ref().map(|_| Case::TYPED));
+    let models = model.map_or(Model::ALL.to_vec(), |model| vec![model]);
     let methods = request.integrator.map_or(Method::ALL.to_vec(), |method| vec![method]);
     let seeds: Vec<Option<u32>> = request.seeds.map_or(vec![None], |count| (0..count).map(Some).collect());
     let mut trials = Vec::new();
@@ -336,7 +341,7 @@ fn lines(sweep: &Sweep, explanations: &Explanations) -> String {
             // Writing to a string cannot fail.
             let _ = write!(mark, " [{experiment}]");
         }
-        let (name, model, method) = (terminal::line(&trial.title()), trial.model.name(), trial.method.name());
+        let (name, model, method) = (terminal::line(&trial.title()), trial.material(), trial.method.name());
         let (ms, decided, accuracy) = (1e3 * entry.seconds, verdict.decided_by(), verdict.accuracy());
         // Writing to a string cannot fail.
         let _ = write!(text, "\n{name:<widest$}  {model:<17} {method:<21} {ms:>9.1}  {mark} ({decided}); {accuracy}");
@@ -355,9 +360,10 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         format!("{:<20} {:<17} {:<21} stable        by Untangle  energy left [J]", "case", "model", "integrator");
     let entries: Vec<_> = sweep.entries().collect();
     for group in entries.chunks(starts) {
-        let Trial { name, case, model, method } = group[0].0;
+        let trial = group[0].0;
+        let Trial { name, case, method, .. } = trial;
         let undamped = if case.is_undamped_twin() { ", undamped" } else { "" };
-        let (name, model, method) = (format!("{}{undamped}", terminal::line(name)), model.name(), method.name());
+        let (name, model, method) = (format!("{}{undamped}", terminal::line(name)), trial.material(), method.name());
         let over = group.iter().filter(|(_, entry)| entry.verdict.is_some()).count();
         let opens = |entry: &Entry| matches!(&entry.verdict, Some(Ok(verdict)) if verdict.numbers.opens);
         let count = group.iter().filter(|(_, entry)| stable(entry)).count();
@@ -375,6 +381,13 @@ fn counts(sweep: &Sweep, starts: usize) -> String {
         text.truncate(text.trim_end().len());
     }
     text
+}
+
+fn energy(text: &str) -> Result<Arc<TypedEnergy>, String> {
+    let energy = TypedEnergy::new(text, Vec::new()).map_err(|why| why.to_string())?;
+    let parameters = MaterialParameters::default().try_with_model(Case::TYPED).map_err(|why| why.to_string())?;
+    energy.material(parameters)?;
+    Ok(Arc::new(energy))
 }
 
 fn method(text: &str) -> Result<Method, String> {

@@ -32,6 +32,12 @@ impl Level {
     }
 
     /// Where a net or membrane is put in space (by number: nets first, then membranes); `None` if there is no such in space.
+    pub fn space(&self, number: usize) -> Option<&SpacePlace> {
+        let nets = self.nets.iter().map(|net| net.space.as_ref());
+        nets.chain(self.membranes.iter().map(|membrane| Some(&membrane.space))).nth(number)?
+    }
+
+    /// The same, to be changed.
     pub fn space_mut(&mut self, number: usize) -> Option<&mut SpacePlace> {
         let nets = self.nets.iter_mut().map(|net| net.space.as_mut());
         nets.chain(self.membranes.iter_mut().map(|membrane| Some(&mut membrane.space))).nth(number)?
@@ -104,7 +110,13 @@ impl Level {
         Ok(())
     }
 
-    /// The typed energy of a body or membrane, by the number of the part; nets have none.
+    /// The typed energy of a body or membrane, by the number of the part, if it has one.
+    pub fn energy(&self, part: usize) -> Option<&TypedEnergy> {
+        let bodies = self.bodies.iter().map(|body| body.energy.as_ref()).chain(self.nets.iter().map(|_| None));
+        bodies.chain(self.membranes.iter().map(|membrane| membrane.energy.as_ref())).nth(part)?
+    }
+
+    /// The same, to be changed; nets have none.
     pub fn energy_mut(&mut self, part: usize) -> Option<&mut Option<TypedEnergy>> {
         let Self { bodies, nets, membranes, .. } = self;
         let (count, others) = (bodies.len(), bodies.len() + nets.len());

@@ -8,7 +8,7 @@ use gingerbread::{
     hard::Case,
     integrators::{Class, IntegratorKind},
     level::StartShape,
-    materials::Model,
+    materials::{Model, TypedEnergy},
 };
 
 fn open_gallery(window: &mut Window) {
@@ -76,6 +76,29 @@ fn results_stay_known_when_the_choice_changes() {
     // The undamped twin is another run.
     click(&mut window, "Undamped");
     assert!(window.query_by_label_contains("2 of 2 stable, ").is_none());
+}
+
+/// The typed energy of the chosen body is a material of the gallery.
+#[test]
+fn cases_run_with_the_typed_energy_of_the_scene() {
+    let mut own = level("gingerbread");
+    own.bodies[0].energy = Some(TypedEnergy::new("mu/2*(I1 - 2 - 2*log(J)) + lambda*(J - 1)^2/2", Vec::new()).unwrap());
+    let mut window = open_level(own, 1280.0, 800.0);
+    open_gallery(&mut window);
+    click(&mut window, "Typed energy of the cases");
+    ask(&mut window, "Run Stretched to twice its height");
+    wait_until_gone(&mut window, "Cancel");
+    draw(&window);
+    let stable =
+        |window: &Window| window.query_by_label_contains(&format!("1 of {} stable", Case::names().count())).is_some();
+    assert!(stable(&window));
+    window.get_all_by_label("Neo-Hookean").last().unwrap().click();
+    window.run_steps(3);
+    assert!(!stable(&window), "that was another material");
+    click(&mut window, "Typed energy of the cases");
+    ask(&mut window, "Open Stretched to twice its height");
+    let opened = &window.state().snapshot().level.bodies[0];
+    assert!(opened.energy.as_ref().is_some_and(|energy| energy.text().contains("lambda*(J - 1)^2/2")));
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub enum Topic {
 }
 
 /// Requests of the panels. Only one study runs at a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum JobRequest {
     /// Measure the work-precision diagram from the present state.
     Accuracy,
@@ -212,7 +212,7 @@ impl Jobs {
             }
             JobRequest::Hard(choice) => {
                 let known = self.hard.findings().map(|findings| findings.results.clone()).unwrap_or_default();
-                self.hard.start(move || Hard::new(choice, known));
+                self.hard.start(move || Hard::new(&choice, known));
             }
             JobRequest::Savings => {
                 let level = level();

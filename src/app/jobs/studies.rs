@@ -7,7 +7,7 @@ use crate::{
     hard::{self, COLUMNS, Case, Entry, Method, Sweep, row},
     integrators::IntegratorKind,
     level::Level,
-    materials::Model,
+    materials::{Model, TypedEnergy},
     study::{
         Curve, Dial, DialPlan, Drift, ErrorBudget, ErrorSource, Invariant, Limits, Locking, LockingNumber, Measure,
         MeasuredOrder, MeshMoment, MeshPlan, MeshPoint, MeshReference, MeshSeries, MeshStudy, NoErrors,
@@ -349,12 +349,14 @@ impl Task for Savings {
 }
 
 /// Selection of runs of hard cases; a field without a value selects all.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
     /// Name of a case.
     pub case: Option<&'static str>,
     /// Constitutive model.
     pub model: Option<Model>,
+    /// Typed energy in place of those of all models.
+    pub energy: Option<Arc<TypedEnergy>>,
     /// Method of time integration.
     pub method: Option<Method>,
     /// Whether the undamped twins are selected, or the cases themselves.
@@ -366,6 +368,7 @@ impl Choice {
     pub fn takes(&self, trial: &hard::Trial) -> bool {
         self.case.is_none_or(|case| case == trial.name)
             && self.model.is_none_or(|model| model == trial.model)
+            && self.energy.as_ref() == trial.case.energy()
             && self.method.is_none_or(|method| method == trial.method)
             && self.undamped == trial.case.is_undamped_twin()
     }
@@ -397,12 +400,12 @@ pub struct Hard {
 
 impl Hard {
     /// Prepares the selected runs; other results stay.
-    pub fn new(choice: Choice, known: Known) -> Result<Self, StudyError> {
+    pub fn new(choice: &Choice, known: Known) -> Result<Self, StudyError> {
         let mut trials = Vec::new();
         for name in Case::names() {
             let case = Case::read(Path::new(name)).map_err(|_| StudyError::NotHere("a hard case cannot be read"))?;
             let case = if choice.undamped { case.undamped_twin() } else { Some(case) };
-            let Some(case) = case.map(Arc::new) else { continue };
+            let Some(case) = case.map(|case| Arc::new(case.with_energy(choice.energy.clone()))) else { continue };
             for (&model, method) in Model::ALL.iter().flat_map(|model| Method::ALL.map(|method| (model, method))) {
                 trials.push(hard::Trial { name: name.to_owned(), case: Arc::clone(&case), model, method });
             }

@@ -18,7 +18,7 @@ use eframe::egui::{
     Align, Button, Color32, ComboBox, Context, Frame, Id, Label, Layout, ProgressBar, RichText, ScrollArea, Sense,
     Shape, Stroke, Ui, Vec2, WidgetInfo, Window, epaint::PathShape, pos2, vec2,
 };
-use std::f32::consts::TAU;
+use std::{f32::consts::TAU, sync::Arc};
 
 /// Display settings of the hard cases.
 pub struct HardSettings {
@@ -94,10 +94,22 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
             text: model.letter(),
             name: model.title(),
             about: model.formula(),
-            on: choice.model == Some(*model),
+            on: choice.model == Some(*model) && choice.energy.is_none(),
+        }));
+        let typed = context.now.level.energy(view.body).or(choice.energy.as_deref());
+        parts.extend(typed.map(|energy| Segment {
+            text: "ψ",
+            name: "Typed energy of the cases",
+            about: energy.text(),
+            on: choice.energy.is_some(),
         }));
         if let Some(clicked) = segmented(ui, "hard materials", &parts, false) {
-            choice.model = clicked.checked_sub(1).and_then(|number| Model::ALL.get(number).copied());
+            let energy = typed.filter(|_| clicked > Model::ALL.len()).cloned().map(Arc::new);
+            choice.model = match clicked.checked_sub(1).and_then(|number| Model::ALL.get(number).copied()) {
+                None if energy.is_some() => Some(Case::TYPED),
+                model => model,
+            };
+            choice.energy = energy;
         }
         let title = choice.method.map_or("All integrators", Method::title);
         let pick = ComboBox::from_id_salt("hard integrators").selected_text(title).height(400.0);
@@ -111,7 +123,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
         let help = "The same cases without damping, and not expected to come to rest.";
         ui.checkbox(&mut choice.undamped, tr("Undamped")).on_hover_text(tr(help));
     });
-    let choice = *choice;
+    let choice = choice.clone();
     ui.horizontal(|ui| {
         if context.jobs.hard.is_running() {
             if ui.button(tr("Cancel")).on_hover_text(tr("Stops; what is known stays.")).clicked() {
@@ -124,7 +136,7 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
             .on_hover_text(tr("Runs every case with what is chosen, in the background."))
             .clicked()
         {
-            view.requests.push(JobRequest::Hard(choice));
+            view.requests.push(JobRequest::Hard(choice.clone()));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if known.runs.iter().any(|(_, entry)| entry.verdict.is_some()) {
@@ -180,7 +192,7 @@ fn mark(trial: &Trial, entry: &Entry, running: bool) -> Mark {
 /// Draws one case.
 fn row(ui: &mut Ui, (name, case): (&'static str, &Case), context: &PanelContext<'_>, view: &mut View, known: &Known) {
     let running = context.jobs.hard.is_running();
-    let choice = Choice { case: Some(name), ..view.hard.choice };
+    let choice = Choice { case: Some(name), ..view.hard.choice.clone() };
     let runs: Vec<_> = chosen(known, &choice).collect();
     let marks: Vec<_> = runs.iter().map(|(trial, entry)| mark(trial, entry, running)).collect();
     let theme = Theme::of(ui.ctx());
@@ -229,13 +241,18 @@ fn buttons(ui: &mut Ui, choice: &Choice, title: &str, view: &mut View) {
     let button = |text: &str| Button::new(RichText::new(text).small()).small().min_size(Vec2::new(40.0, 20.0));
     let model = choice.model.unwrap_or(Model::Corotated);
     let method = choice.method.unwrap_or(Method::ImplicitEuler);
-    let help = format!("Shows it on the stage, running, with {} and {}.", model.title(), method.title());
+    let energy = choice.energy.clone();
+    let material = if energy.is_some() { "the typed energy" } else { model.title() };
+    let help = format!("Shows it on the stage, running, with {material} and {}.", method.title());
     if ui.add(button("Open")).on_hover_text(help).accessible_name(format!("Open {title}")).clicked() {
-        view.file = choice.case.map(|name| FileRequest::Hard { name, undamped: choice.undamped, model, method });
+        view.file = choice.case.map(|name| {
+            let undamped = choice.undamped;
+            FileRequest::Hard { name, undamped, model, energy, method }
+        });
     }
     let help = "Runs this case alone with what is chosen.";
     if ui.add(button("Run")).on_hover_text(tr(help)).accessible_name(format!("Run {title}")).clicked() {
-        view.requests.push(JobRequest::Hard(*choice));
+        view.requests.push(JobRequest::Hard(choice.clone()));
     }
 }
 
@@ -284,13 +301,15 @@ fn dots(ui: &mut Ui, runs: &[&(Trial, Entry)], marks: &[Mark], theme: &Theme) {
         for ((trial, entry), mark) in runs.iter().zip(marks) {
             if last.replace(trial.model) != Some(trial.model) {
                 ui.add_space(4.0);
-                ui.label(RichText::new(trial.model.letter()).small().weak());
+                let letter = if trial.case.energy().is_some() { "ψ" } else { trial.model.letter() };
+                ui.label(RichText::new(letter).small().weak());
             }
             let number = match &entry.verdict {
                 Some(Ok(verdict)) => format!("\n{}; {}", verdict.decided_by(), verdict.accuracy()),
                 _ => String::new(),
             };
-            let about = format!("{}, {}: {}{number}", trial.model.title(), trial.method.title(), words(*mark));
+            let material = if trial.case.energy().is_some() { "Typed energy" } else { trial.model.title() };
+            let about = format!("{material}, {}: {}{number}", trial.method.title(), words(*mark));
             paint(ui, *mark, 13.0, theme, &about);
         }
     });

@@ -50,13 +50,13 @@ use crate::{
     app::language::{Language, tr},
     command::Command,
     hard::Method,
-    materials::Model,
+    materials::{Model, TypedEnergy},
     meshes::MeshKind,
     quantity::Quantity,
     snapshot::Snapshot,
 };
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, Rect, RichText, ScrollArea, Ui, WidgetText, vec2};
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 /// Display settings; nothing in them changes the simulation.
 #[derive(Default)]
@@ -186,7 +186,7 @@ pub enum FilmRequest {
 }
 
 /// Requests for files.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FileRequest {
     /// Open a level of the gallery, by number.
     BuiltIn(usize),
@@ -198,6 +198,8 @@ pub enum FileRequest {
         undamped: bool,
         /// Constitutive model of every body.
         model: Model,
+        /// Typed energy in its place.
+        energy: Option<Arc<TypedEnergy>>,
         /// Integrator and step.
         method: Method,
     },

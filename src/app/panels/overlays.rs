@@ -60,7 +60,7 @@ pub fn show_prompt(ctx: &Context, view: &mut View) {
 }
 
 /// Dialog about unsaved changes that a request would lose.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unsaved {
     /// Request that waits for the choice.
     pub request: FileRequest,

@@ -106,17 +106,18 @@ pub enum Command {
     SetMaterial(usize, MaterialParameters),
     /// Sets the typed energy of a body or membrane, by the number of the part, or goes back to its model.
     SetEnergy(usize, Option<TypedEnergy>),
-    /// Adds a body, and starts over. It gets another name where its own is taken.
-    AddBody(Box<BodyLevel>),
-    /// Adds a copy of a body (by number) to the right of all others, with its pins, and starts over.
-    CopyBody(usize),
-    /// Removes a body, and starts over.
-    RemoveBody(usize),
+    /// Adds bodies, and starts over. They get other names where their own are taken.
+    AddBodies(Vec<BodyLevel>),
+    /// Adds a copy of a body, net or membrane (by number, in this order) to the right of all others, with its pins, and starts over.
+    CopyPart(usize),
+    /// Removes a body, net or membrane (by number, in this order), and starts over.
+    RemovePart(usize),
     /// Sets the mesh of a body (by number). Everything is reset; pins stay at their places.
     SetMesh(usize, MeshKind),
     /// Sets where a body (by number) is, how far it is turned and how large it is. Everything is reset; pinned vertices stay pinned.
     SetPlace(usize, Place),
-    /// Puts a net or membrane (by number: nets first, then membranes) elsewhere in space; the scene starts over.
+    /// Sets where a net or membrane (by number: nets first, then membranes) is in space, how it is turned and how large it is. Everything is reset; pinned vertices
+    /// stay pinned.
     SetSpacePlace(usize, SpacePlace),
     /// Divides triangles (by their numbers in the scene: of the bodies, then of the membranes), and goes on from the present state.
     Refine(Vec<usize>),
@@ -235,9 +236,9 @@ impl Command {
             | Self::Record(_)
             | Self::Open(_)
             | Self::SetMaterial(..)
-            | Self::AddBody(_)
-            | Self::CopyBody(_)
-            | Self::RemoveBody(_)
+            | Self::AddBodies(_)
+            | Self::CopyPart(_)
+            | Self::RemovePart(_)
             | Self::SetPlace(..)
             | Self::SetSpacePlace(..)
             | Self::SetMass(..)

@@ -25,9 +25,10 @@ use crate::{
     materials::{MaterialParameters, TypedEnergy},
     meshes::{MeshKind, natural},
     nets::NetKind,
+    obstacles::Similarity,
     quantity::{
-        Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, SleepTolerance, SpacePoint, Spin,
-        Thickness, Velocity,
+        Angle, Coordinate, Density, Factor, Mass, Noise, ParticleMass, Point, Quantity, SleepTolerance, SpacePoint,
+        Spin, Thickness, Velocity,
     },
     toys::ToyKind,
 };
@@ -198,10 +199,13 @@ pub struct MembraneLevel {
     pub finish: Finish,
 }
 
-/// A rigid transform of a flat shape into space: turned about the x axis, then about y, then about z, and moved.
+/// A similarity transform of a flat shape into space: scaled about its origin, turned about the x axis, then about y, then about z, and moved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpacePlace {
+    /// Scale of the flat shape and of all lengths at rest. Pins are named in the scaled shape.
+    #[serde(skip_serializing_if = "is_same_size")]
+    pub scale: Factor,
     /// Turns about x, y and z \[degrees\].
     pub turn: (Angle, Angle, Angle),
     /// Move \[m\].
@@ -214,17 +218,18 @@ pub struct SpacePlace {
 impl Default for SpacePlace {
     fn default() -> Self {
         let (angle, zero, still) = (Angle::literal(0.0), Coordinate::literal(0.0), Velocity::literal(0.0));
-        Self { turn: (angle, angle, angle), offset: SpacePoint(zero, zero, zero), velocity: (still, still, still) }
+        let (turn, offset) = ((angle, angle, angle), SpacePoint(zero, zero, zero));
+        Self { scale: Factor::literal(1.0), turn, offset, velocity: (still, still, still) }
     }
 }
 
 impl SpacePlace {
-    /// A vector of the flat shape in space, turned but not moved.
+    /// A vector of the scaled flat shape in space, turned but not moved.
     pub fn turned(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         self.turned_from_plane([x, y, 0.0])
     }
 
-    /// A vector relative to the flat shape, with the component across its plane, turned but not moved.
+    /// A vector relative to the scaled flat shape, with the component across its plane, turned but not moved.
     pub fn turned_from_plane(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let turn = |[a, b]: [f64; 2], angle: Angle| {
             let angle = angle.get().to_radians();
@@ -241,16 +246,47 @@ impl SpacePlace {
         [x, y, z]
     }
 
-    /// A point of the flat shape in space \[m\].
+    /// A point of the scaled flat shape in space \[m\].
     pub fn placed(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         self.placed_from_plane([x, y, 0.0])
     }
 
-    /// A point relative to the flat shape, with its distance from its plane, in space \[m\].
+    /// A point relative to the scaled flat shape, with its distance from its plane, in space \[m\].
     pub fn placed_from_plane(&self, point: [f64; 3]) -> [f64; 3] {
         let ([x, y, z], [dx, dy, dz]) = (self.turned_from_plane(point), self.offset.get());
         [x + dx, y + dy, z + dz]
     }
+}
+
+impl SpacePlace {
+    /// The place after a similarity transform; velocities stay. `None` if a number would leave its range.
+    pub fn arranged(&self, by: &Similarity) -> Option<Self> {
+        let mut arranged = *self;
+        arranged.offset = by.of_space_point(self.offset)?;
+        arranged.scale.set(by.scale * self.scale.get()).ok()?;
+        if by.turn != 0.0 {
+            // The columns of the matrix R = Rz Ry Rx of the turns afterwards.
+            let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+                .map(|axis| by.direction(self.turned_from_plane(axis)));
+            // R31 = -sin y, (R32, R33) = cos y (sin x, cos x), and (R21, R11) = cos y (sin z, cos z).
+            let cosine = libm::hypot(a[0], a[1]);
+            let about_y = libm::atan2(-a[2], cosine);
+            let [about_x, about_z] = if cosine > 1e-9 {
+                [libm::atan2(b[2], c[2]), libm::atan2(a[1], a[0])]
+            } else {
+                // x and z turn about the same axis then: all of it is x.
+                [libm::atan2(-c[1], b[1]), 0.0]
+            };
+            // Round-off of a whole number of degrees is no part of the level.
+            let angle = |radians: f64| Angle::new(1e-9 * libm::round(1e9 * radians.to_degrees())).ok();
+            arranged.turn = (angle(about_x)?, angle(about_y)?, angle(about_z)?);
+        }
+        Some(arranged)
+    }
+}
+
+fn is_same_size(scale: &Factor) -> bool {
+    scale.get() == 1.0
 }
 
 fn is_at_rest_in_space(velocity: &(Velocity, Velocity, Velocity)) -> bool {

@@ -56,8 +56,8 @@ impl App {
     pub(super) fn make(&mut self) {
         let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_tool());
         self.view.stage.tool = self.canvas.take_tool().or(of_b).unwrap_or(self.view.stage.tool);
-        let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_body());
-        self.view.body = self.canvas.take_body().or(of_b).unwrap_or(self.view.body);
+        let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_part());
+        self.view.body = self.canvas.take_part().or(of_b).unwrap_or(self.view.body);
         let of_b = self.comparison.as_mut().and_then(|panes| panes.stage.canvas_mut().take_outline());
         if let Some(outline) = self.canvas.take_outline().or(of_b) {
             self.view.stage.tool = Tool::Hand;
@@ -65,7 +65,7 @@ impl App {
         }
         if let Some(mesh) = self.view.new_body.take() {
             let name = mesh.name().to_lowercase();
-            self.add_body(&name, mesh, Place::default());
+            self.add_bodies(&name, vec![mesh], Place::default());
         }
     }
 
@@ -84,7 +84,7 @@ impl App {
         let [least, usual, most] = TRIANGLES;
         let like_others = self.triangle_area().map_or(usual, |size| outline.area() / size).clamp(least, most);
         outline.resolution = Whole::try_from(like_others.round()).unwrap_or(outline.resolution);
-        self.add_body("drawn body", outline.into(), Place::default());
+        self.add_bodies("drawn body", vec![outline.into()], Place::default());
     }
 
     /// Adds the bodies of a file to the scene, or opens a level with them where the scene can have none. A mesh file is one body; a drawing or picture has one for each
@@ -108,9 +108,7 @@ impl App {
         let name = path.file_stem().map_or_else(|| "body".to_owned(), |stem| stem.display().to_string());
         let now = &self.snapshot;
         if now.toy.is_none() && now.level.test.is_none() && now.dimension == 2 {
-            for kind in kinds {
-                self.add_body(&name, kind, place);
-            }
+            self.add_bodies(&name, kinds, place);
             return;
         }
         let mut level = match self.gallery.first() {
@@ -150,17 +148,22 @@ impl App {
         Ok((kinds, points))
     }
 
-    /// Adds a body of the material and the density of the chosen body, and chooses it.
-    pub(super) fn add_body(&mut self, name: &str, mesh: MeshKind, place: Place) {
+    /// Adds bodies of the material and the density of the chosen body as one change, and chooses the last one.
+    fn add_bodies(&mut self, name: &str, meshes: Vec<MeshKind>, place: Place) {
         let (density, chosen) = (self.density(), self.view.body);
         let density = Density::new(density).unwrap_or(Density::literal(DENSITY));
         let bodies = &self.settled().document().level.bodies;
         let (chosen, number) = (bodies.get(chosen).or(bodies.first()).cloned(), bodies.len());
         let material = chosen.as_ref().map_or_else(MaterialParameters::default, |body| body.material);
         let energy = chosen.and_then(|body| body.energy);
-        let body = BodyLevel { place, energy, ..BodyLevel::new(name, mesh, material, MassLevel::Density(density)) };
-        if self.apply(None, Command::AddBody(Box::new(body))) {
-            self.view.body = number;
+        let last = number + meshes.len().saturating_sub(1);
+        let body = |mesh| BodyLevel {
+            place,
+            energy: energy.clone(),
+            ..BodyLevel::new(name, mesh, material, MassLevel::Density(density))
+        };
+        if self.apply(None, Command::AddBodies(meshes.into_iter().map(body).collect())) {
+            self.view.body = last;
         }
     }
 

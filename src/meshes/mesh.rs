@@ -81,6 +81,13 @@ impl Mesh {
         self
     }
 
+    /// The mesh with all lengths multiplied by a factor, which must be positive.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let points = self.points.iter().map(|point| point.map(|along| factor * along)).collect();
+        Self { points, ..self.clone() }
+    }
+
     /// Same mesh with vertices and triangles in another order.
     #[must_use]
     pub fn renumbered(&self, numbering: Numbering) -> Self {

@@ -124,6 +124,15 @@ impl Net {
         }
     }
 
+    /// The net with all lengths multiplied by a factor, which must be positive. Stiffnesses stay.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let points = self.points.iter().map(|point| point.map(|along| factor * along)).collect();
+        let heights = self.heights.iter().map(|height| factor * height).collect();
+        let links = self.links.iter().map(|link| Link { rest: factor * link.rest, ..*link }).collect();
+        Self { points, heights, links, ..self.clone() }
+    }
+
     /// Same net with particles and springs in another order.
     #[must_use]
     pub fn renumbered(&self, numbering: Numbering) -> Self {

@@ -3,7 +3,7 @@
 use super::ObstacleKind;
 use crate::quantity::{Angle, Point, Position, Quantity, SpacePoint};
 
-/// A similarity transform: one point is moved to another, and around it everything is scaled, and turned about the z axis.
+/// A similarity transform: one point is moved to another, and around it everything is scaled, and turned about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
     /// The point \[m\].
@@ -14,11 +14,13 @@ pub struct Similarity {
     pub scale: f64,
     /// Angle, counter-clockwise \[degrees\].
     pub turn: f64,
+    /// Axis of the turn: 0 for x, 1 for y and 2 for z, which is that of the plane.
+    pub axis: usize,
 }
 
 impl Similarity {
     /// No change.
-    pub const NONE: Self = Self { from: [0.0; 3], to: [0.0; 3], scale: 1.0, turn: 0.0 };
+    pub const NONE: Self = Self { from: [0.0; 3], to: [0.0; 3], scale: 1.0, turn: 0.0, axis: 2 };
 
     /// Whether it changes nothing.
     pub fn is_none(&self) -> bool {
@@ -31,9 +33,13 @@ impl Similarity {
     }
 
     /// Turns a direction.
-    pub fn direction(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
         let (cos, sin) = (libm::cos(self.turn.to_radians()), libm::sin(self.turn.to_radians()));
-        [cos * x - sin * y, sin * x + cos * y, z]
+        let [one, other] = [1, 2].map(|after| (self.axis + after) % 3);
+        let (a, b) = (direction[one], direction[other]);
+        let mut turned = direction;
+        (turned[one], turned[other]) = (cos * a - sin * b, sin * a + cos * b);
+        turned
     }
 
     /// Maps a point \[m\].

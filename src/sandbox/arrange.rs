@@ -1,14 +1,15 @@
-//! Bodies at other places: moved, turned, scaled and copied.
+//! Bodies, nets and membranes at other places: moved, turned, scaled and copied.
 
 use super::{
     Refused, Sandbox, Then,
-    edit::{TEST_BODIES, add_body},
+    edit::{NO_CLOTH, NO_PART, TEST_BODIES, add_body, edit_parts, free_name},
 };
 use crate::{
+    command::Command,
     document::{Document, Gesture},
-    level::{BodyLevel, Place},
+    level::{BodyLevel, MembraneLevel, NetLevel, Place, SpacePlace},
     meshes::Pin,
-    quantity::Point,
+    quantity::{Point, SpacePoint},
     scene::Owner,
 };
 
@@ -20,9 +21,23 @@ const EDGES: Refused = Refused::NotHere(
 );
 
 impl Sandbox {
+    /// Puts a part elsewhere or copies it. Other commands are those of [`edit_parts`].
+    pub(super) fn arrange(
+        &self,
+        document: &mut Document,
+        command: Command,
+    ) -> Result<(Then, Option<Gesture>), Refused> {
+        match command {
+            Command::SetPlace(body, place) => self.set_place(document, body, place),
+            Command::SetSpacePlace(number, place) => self.set_space_place(document, number, place),
+            Command::CopyPart(part) => self.copy_part(document, part),
+            other => edit_parts(document, other),
+        }
+    }
+
     /// Sets the place of a body. Pins stay with it, and so do the vertices that effects name in it: rules that would name others there are replaced by
     /// the vertices that they name now.
-    pub(super) fn set_place(
+    fn set_place(
         &self,
         document: &mut Document,
         body: usize,
@@ -31,7 +46,6 @@ impl Sandbox {
         if document.level.test.is_some() {
             return Err(TEST_BODIES);
         }
-        let parts = document.level.part_names().count();
         let listed = document.level.bodies.get_mut(body).ok_or(NO_BODY)?;
         let gesture = Some(Gesture::Place(body));
         if listed.place == place {
@@ -50,7 +64,43 @@ impl Sandbox {
             listed.pins = self.pins_of(Owner::Body(body)).into_iter().map(Pin::Vertex).collect();
         }
         listed.place = place;
-        let name = listed.name.clone();
+        self.keep_names(document, body, &keeps)?;
+        document.level.state = None;
+        Ok((Then::Restart, gesture))
+    }
+
+    /// Sets the place of a net or membrane in space (by number: nets first). Pins and the vertices that effects name stay with it.
+    fn set_space_place(
+        &self,
+        document: &mut Document,
+        number: usize,
+        place: SpacePlace,
+    ) -> Result<(Then, Option<Gesture>), Refused> {
+        let gesture = Some(Gesture::SpacePlace(number));
+        let now = document.level.space_mut(number).ok_or(NO_CLOTH)?;
+        let before = std::mem::replace(now, place);
+        if before == place {
+            return Ok((Then::Keep, gesture));
+        }
+        if before.scale != place.scale {
+            let keeps = |pin: &Pin| !matches!(pin, Pin::Nearest(_) | Pin::Disk(..) | Pin::Box(..));
+            let part = document.level.bodies.len() + number;
+            let pins = document.pins_mut(part).ok_or(NO_PART)?;
+            if !pins.iter().all(keeps) {
+                let nets = self.document.level.nets.len();
+                let owner = if number < nets { Owner::Net(number) } else { Owner::Membrane(number - nets) };
+                *pins = self.pins_of(owner).into_iter().map(Pin::Vertex).collect();
+            }
+            self.keep_names(document, part, &keeps)?;
+        }
+        document.level.state = None;
+        Ok((Then::Restart, gesture))
+    }
+
+    /// Replaces rules of effects that would name other vertices of a part at its new place by the vertices that they name now.
+    fn keep_names(&self, document: &mut Document, part: usize, keeps: &dyn Fn(&Pin) -> bool) -> Result<(), Refused> {
+        let parts = document.level.part_names().count();
+        let name = document.level.part_names().nth(part).ok_or(NO_PART)?.clone();
         for effect in &mut document.level.effects {
             let Some(rules) = effect.effect.kind_mut().rules_mut() else { continue };
             let is_own = rules.of.as_ref().map_or(parts == 1, |of| *of == name);
@@ -60,29 +110,56 @@ impl Sandbox {
             if rules.are_of_edges {
                 return Err(EDGES);
             }
-            let shape = self.simulation.scene().elements.shapes.get(body).ok_or(NO_BODY)?;
-            let named = shape.pinned(rules.pins).map_err(|_| NO_BODY)?;
+            let shape = self.simulation.scene().elements.shapes.get(part).ok_or(NO_PART)?;
+            let named = shape.pinned(rules.pins).map_err(|_| NO_PART)?;
             let mut named: Vec<_> = named.iter().map(|vertex| shape.numbering.name(vertex - shape.first)).collect();
             named.sort_unstable();
             *rules.pins = named.into_iter().map(Pin::Vertex).collect();
         }
-        document.level.state = None;
-        Ok((Then::Restart, gesture))
+        Ok(())
     }
 
-    /// Adds a copy of a body to the right of all bodies, with its pins.
-    pub(super) fn copy_body(&self, document: &mut Document, body: usize) -> Result<(Then, Option<Gesture>), Refused> {
-        let (scene, listed) = (self.simulation.scene(), self.document.level.bodies.get(body).ok_or(NO_BODY)?);
-        let along = |vertices: std::ops::Range<usize>| scene.rest[scene.numbers(&vertices)].iter().step_by(2).copied();
-        let own = || along(scene.bodies[body].vertices.clone());
+    /// Adds a copy of a body, net or membrane (by number, in this order) to the right of all others, with its pins.
+    fn copy_part(&self, document: &mut Document, part: usize) -> Result<(Then, Option<Gesture>), Refused> {
+        const NO_ROOM: Refused = Refused::NotHere("there is no room for a copy");
+        if document.level.test.is_some() {
+            return Err(TEST_BODIES);
+        }
+        let (scene, level) = (self.simulation.scene(), &self.document.level);
+        let vertices = scene.parts.get(part).ok_or(NO_PART)?.vertices();
+        let step = scene.dimension;
+        let along = |own: std::ops::Range<usize>| scene.rest[scene.numbers(&own)].iter().step_by(step).copied();
+        let own = || along(vertices.clone());
         let end = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::NEG_INFINITY, f64::max);
         let begin = own().fold(f64::INFINITY, f64::min);
         let (width, right) = (end(&mut own()) - begin, end(&mut along(0..scene.vertices())));
-        let [x, y] = listed.place.offset.get();
-        let offset = Point::new([x + right - begin + 0.1 * width, y])
-            .map_err(|_| Refused::NotHere("there is no room for a copy"))?;
-        let pins = self.pins_of(Owner::Body(body)).into_iter().map(Pin::Vertex).collect();
-        add_body(document, BodyLevel { place: Place { offset, ..listed.place }, pins, ..listed.clone() })?;
+        let to_right = right - begin + 0.1 * width;
+        let beside = |place: SpacePlace| {
+            let [x, y, z] = place.offset.get();
+            let offset = SpacePoint::new([x + to_right, y, z]).map_err(|_| NO_ROOM)?;
+            Ok::<_, Refused>(SpacePlace { offset, ..place })
+        };
+        let pins = |owner| self.pins_of(owner).into_iter().map(Pin::Vertex).collect();
+        let (bodies, nets) = (level.bodies.len(), level.nets.len());
+        if let Some(listed) = level.bodies.get(part) {
+            let [x, y] = listed.place.offset.get();
+            let offset = Point::new([x + to_right, y]).map_err(|_| NO_ROOM)?;
+            let (place, pins) = (Place { offset, ..listed.place }, pins(Owner::Body(part)));
+            add_body(document, BodyLevel { place, pins, ..listed.clone() })?;
+        } else if let Some(listed) = level.nets.get(part - bodies) {
+            const IN_PLANE: Refused =
+                Refused::NotHere("a net in the plane has no place of its own, so a copy would lie on it");
+            let (space, pins) = (beside(listed.space.ok_or(IN_PLANE)?)?, pins(Owner::Net(part - bodies)));
+            let name = free_name(&document.level, &listed.name);
+            document.level.nets.push(NetLevel { name, space: Some(space), pins, ..listed.clone() });
+        } else {
+            let number = part - bodies - nets;
+            let listed = level.membranes.get(number).ok_or(NO_PART)?;
+            let (space, pins) = (beside(listed.space)?, pins(Owner::Membrane(number)));
+            let name = free_name(&document.level, &listed.name);
+            document.level.membranes.push(MembraneLevel { name, space, pins, ..listed.clone() });
+        }
+        document.level.state = None;
         Ok((Then::Restart, None))
     }
 }

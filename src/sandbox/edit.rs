@@ -5,13 +5,13 @@ use crate::{
     command::Command,
     document::{Document, Gesture},
     elements::ElementKind,
-    level::{BodyLevel, EffectLevel, Switch, When},
+    level::{BodyLevel, EffectLevel, Level, Switch, When},
     materials::Model,
     meshes::MeshKind,
     scene::Owner,
 };
 
-const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
+pub(super) const NO_CLOTH: Refused = Refused::NotHere("there is no such net or membrane");
 
 impl Sandbox {
     /// Changes to the document that can be undone.
@@ -37,8 +37,6 @@ impl Sandbox {
                 gesture = Some(Gesture::Material(body));
             }
             Command::SetMesh(body, mesh) => (then, gesture) = self.set_mesh(&mut document, body, mesh)?,
-            Command::SetPlace(body, place) => (then, gesture) = self.set_place(&mut document, body, place)?,
-            Command::CopyBody(body) => (then, gesture) = self.copy_body(&mut document, body)?,
             Command::SetElement(body, element) => then = self.set_element(&mut document, body, element)?,
             Command::SetMass(body, mass) => {
                 let body = document.source(body);
@@ -105,7 +103,7 @@ impl Sandbox {
                 document.side_by_side = on.then(|| document.side_by_side.unwrap_or_else(|| self.sides()));
                 then = Then::Restart;
             }
-            other => (then, gesture) = edit_parts(&mut document, other)?,
+            other => (then, gesture) = self.arrange(&mut document, other)?,
         }
         if document == self.document {
             return if then == Then::Restart { self.apply(Command::Reset) } else { Ok(()) };
@@ -180,36 +178,33 @@ fn get<T>(list: &mut [T], number: usize) -> Result<&mut T, Refused> {
     list.get_mut(number).ok_or(Refused::NotHere("there is no such body or effect"))
 }
 
-const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
+pub(super) const NO_PART: Refused = Refused::NotHere("there is no such body, net or membrane");
 
 /// Changes that need the document alone; other commands change nothing here.
-fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option<Gesture>), Refused> {
+pub(super) fn edit_parts(document: &mut Document, command: Command) -> Result<(Then, Option<Gesture>), Refused> {
     match command {
         Command::SetEnergy(part, energy) => {
             let part = document.source(part);
             *document.level.energy_mut(part).ok_or(NO_PART)? = energy;
             Ok((Then::Keep, Some(Gesture::Energy(part))))
         }
-        Command::SetSpacePlace(number, place) => {
-            let gesture = Some(Gesture::SpacePlace(number));
-            let now = document.level.space_mut(number).ok_or(NO_CLOTH)?;
-            if std::mem::replace(now, place) == place {
-                return Ok((Then::Keep, gesture));
-            }
-            document.level.state = None;
-            Ok((Then::Restart, gesture))
-        }
-        Command::AddBody(body) => {
-            add_body(document, *body)?;
+        Command::AddBodies(bodies) => {
+            bodies.into_iter().try_for_each(|body| add_body(document, body))?;
             Ok((Then::Restart, None))
         }
-        Command::RemoveBody(body) => {
+        Command::RemovePart(part) => {
             if document.level.test.is_some() {
                 return Err(TEST_BODIES);
             }
-            get(&mut document.level.bodies, body)?;
-            document.level.bodies.remove(body);
-            document.level.state = None;
+            let Level { bodies, nets, membranes, state, .. } = &mut document.level;
+            let counts = [bodies.len(), bodies.len() + nets.len(), bodies.len() + nets.len() + membranes.len()];
+            match part {
+                body if body < counts[0] => drop(bodies.remove(body)),
+                net if net < counts[1] => drop(nets.remove(net - counts[0])),
+                membrane if membrane < counts[2] => drop(membranes.remove(membrane - counts[1])),
+                _ => return Err(NO_PART),
+            }
+            *state = None;
             Ok((Then::Restart, None))
         }
         Command::SetSubstepMode(paces) => {
@@ -251,15 +246,17 @@ pub(super) fn add_body(document: &mut Document, mut body: BodyLevel) -> Result<(
     if document.level.test.is_some() {
         return Err(TEST_BODIES);
     }
-    let is_taken = |name: &str| document.level.part_names().any(|other| other == name);
-    if is_taken(&body.name) {
-        let numbers = 2..=document.level.part_names().count() + 2;
-        let free = numbers.map(|number| format!("{} {number}", body.name)).find(|name| !is_taken(name));
-        body.name = free.unwrap_or_default();
-    }
+    body.name = free_name(&document.level, &body.name);
     document.level.state = None;
     document.level.bodies.push(body);
     Ok(())
+}
+
+/// A name like this one that no body, net or membrane has.
+pub(super) fn free_name(level: &Level, name: &str) -> String {
+    let is_free = |name: &String| level.part_names().all(|other| other != name);
+    let numbered = (2..=level.part_names().count() + 2).map(|number| format!("{name} {number}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(is_free).unwrap_or_default()
 }
 
 /// Sets the constitutive model of all bodies and membranes.

@@ -16,6 +16,8 @@ pub struct Membrane {
     pub name: String,
     /// Parameters of the mesh.
     recipe: MeshKind,
+    /// Factor of its lengths.
+    scale: f64,
     /// The mesh, which is flat, in its own coordinates.
     pub mesh: Arc<Mesh>,
     /// Its vertices in the scene.
@@ -38,13 +40,19 @@ impl Scene {
         files: &dyn Files,
         previous: Option<&Self>,
     ) -> Result<(), String> {
+        let scale = level.space.scale.get();
         let before = previous.into_iter().flat_map(|scene| &scene.membranes);
-        let known = self.membranes.iter().chain(before).find(|membrane| membrane.recipe == level.mesh);
+        let known = self
+            .membranes
+            .iter()
+            .chain(before)
+            .find(|membrane| membrane.recipe == level.mesh && membrane.scale == scale);
         let mesh = if let Some(membrane) = known {
             Arc::clone(&membrane.mesh)
         } else {
             let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            Arc::new(numbering::mesh(mesh))
+            let mesh = numbering::mesh(mesh);
+            Arc::new(if scale == 1.0 { mesh } else { mesh.scaled(scale) })
         };
         let others = self.membranes.iter().map(|membrane| membrane.elements.corners().len());
         let total = mesh.triangles().len() + others.sum::<usize>();
@@ -75,7 +83,7 @@ impl Scene {
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe) = (level.name.clone(), level.mesh.clone());
-        self.membranes.push(Membrane { name, recipe, mesh, vertices, elements });
+        self.membranes.push(Membrane { name, recipe, scale, mesh, vertices, elements });
         Ok(())
     }
 }

@@ -29,6 +29,8 @@ pub struct Net {
 impl Scene {
     pub(super) fn add_net(&mut self, level: &NetLevel) -> Result<(), String> {
         let net = numbering::net(level.net.kind().build().map_err(|error| error.to_string())?);
+        let scale = level.space.map_or(1.0, |place| place.scale.get());
+        let net = if scale == 1.0 { net } else { net.scaled(scale) };
         let first = self.rest.len() / self.dimension;
         let vertices = first..first + net.points().len();
         let points = net.points().as_flattened();

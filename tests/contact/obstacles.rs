@@ -189,7 +189,7 @@ fn arranged_obstacles_are_similar_ones() {
     for by in [
         Similarity { to: [0.3, -0.2, 0.0], ..Similarity::NONE },
         Similarity { from: [0.4, 0.1, 0.0], to: [0.4, 0.1, 0.0], turn: 77.0, ..Similarity::NONE },
-        Similarity { from: [0.4, 0.1, 0.0], to: [1.4, 0.6, 0.0], scale: 2.5, turn: -140.0 },
+        Similarity { from: [0.4, 0.1, 0.0], to: [1.4, 0.6, 0.0], scale: 2.5, turn: -140.0, ..Similarity::NONE },
     ] {
         for kind in &walls.obstacles {
             let arranged = kind.arranged(&by).unwrap();
@@ -225,7 +225,7 @@ fn arranged_obstacles_are_similar_ones() {
 /// In space obstacles are moved and scaled.
 #[test]
 fn arranged_obstacles_in_space_are_similar_ones() {
-    let by = Similarity { from: [0.1, 0.2, 0.3], to: [0.5, -0.2, 0.4], scale: 1.7, turn: 0.0 };
+    let by = Similarity { from: [0.1, 0.2, 0.3], to: [0.5, -0.2, 0.4], scale: 1.7, ..Similarity::NONE };
     let mut random = Random(8);
     let kinds = ObstacleKind::all().into_iter();
     for kind in kinds.filter(|kind| kind.kind().dimension() == 3 && kind.kind().path().is_none()) {

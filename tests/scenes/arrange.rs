@@ -43,8 +43,8 @@ fn pins_and_prescribed_motion_stay_with_a_body() {
         let corner = (0..rest.len() / 2).map(|vertex| (rest[2 * vertex] - x).hypot(rest[2 * vertex + 1] - y));
         assert!(corner.fold(f64::INFINITY, f64::min) < 1e-12, "the origin of the mesh is there");
     }
-    sandbox.apply(Command::CopyBody(0)).unwrap();
-    sandbox.apply(Command::CopyBody(0)).unwrap();
+    sandbox.apply(Command::CopyPart(0)).unwrap();
+    sandbox.apply(Command::CopyPart(0)).unwrap();
     let scene = sandbox.simulation().scene();
     let ends = |body: usize| {
         let own = scene.rest[scene.numbers(&scene.bodies[body].vertices)].iter().step_by(2).copied();
@@ -273,4 +273,97 @@ fn what_is_in_space_is_put_elsewhere() {
         assert!(sandbox.apply(Command::SetSpacePlace(beyond, SpacePlace::default())).is_err(), "{name}");
     }
     assert!(parts >= 3);
+}
+
+/// A cloth twice as large has twice the lengths at rest, in its springs too; its pins stay, by whatever they are named.
+#[test]
+fn cloth_is_scaled_with_its_pins_and_without_stress() {
+    for (name, pins) in
+        [("flag", "Left"), ("mit_cloth", "Disk((0.2, 0), 0.25)"), ("toronto_cloth", "Box((0, 0), (0.3, 0.3))")]
+    {
+        let mut level = gingerbread::files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap();
+        let pins: gingerbread::meshes::Pin = gingerbread::files::parse_as(pins, "pin").unwrap();
+        level.nets.iter_mut().for_each(|net| net.pins = vec![pins]);
+        level.membranes.iter_mut().for_each(|membrane| membrane.pins = vec![pins]);
+        let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+        let scene = |sandbox: &Sandbox| {
+            let scene = sandbox.simulation().scene();
+            (scene.rest.clone(), scene.pins.to_vec(), sandbox.simulation().energies().elastic)
+        };
+        let (rest, pinned, elastic) = scene(&sandbox);
+        assert!(!pinned.is_empty(), "{name}");
+        let before = *sandbox.document().level.space(0).unwrap();
+        let [x, y, z] = before.offset.get();
+        let place = SpacePlace { scale: Factor::new(2.0 * before.scale.get()).unwrap(), ..before };
+        sandbox.apply(Command::SetSpacePlace(0, place)).unwrap();
+        sandbox.apply(Command::EndGesture).unwrap();
+        let (now, still, stored) = scene(&sandbox);
+        assert_eq!(still, pinned, "{name}");
+        for (vertex, (now, before)) in now.as_chunks::<3>().0.iter().zip(rest.as_chunks::<3>().0).enumerate() {
+            let wanted = [0, 1, 2].map(|axis| 2.0 * before[axis] - [x, y, z][axis]);
+            assert!((0..3).all(|axis| (now[axis] - wanted[axis]).abs() < 1e-12), "{name} {vertex}: {now:?} {wanted:?}");
+        }
+        assert!(stored <= 4.0 * elastic + 1e-12, "{name}: {stored} {elastic}");
+        sandbox.apply(Command::Undo).unwrap();
+        assert_eq!(scene(&sandbox).0, rest, "{name}");
+    }
+}
+
+/// A similarity transform of a place maps every point of the cloth as it maps points of space, also where two of its angles turn about one axis.
+#[test]
+fn a_place_in_space_is_transformed_like_its_points() {
+    let angle = |degrees: f64| Angle::new(degrees).unwrap();
+    for turns in [[0.0, 0.0, 0.0], [-90.0, 0.0, 0.0], [20.0, -35.0, 110.0], [15.0, 90.0, 40.0], [-60.0, -90.0, 10.0]] {
+        let [about_x, about_y, about_z] = turns.map(angle);
+        let place = SpacePlace {
+            scale: Factor::new(0.7).unwrap(),
+            turn: (about_x, about_y, about_z),
+            offset: gingerbread::quantity::SpacePoint::new([0.3, -0.2, 0.9]).unwrap(),
+            ..SpacePlace::default()
+        };
+        for axis in 0..3 {
+            let by = Similarity { from: [0.1, 0.5, -0.3], to: [-0.4, 0.2, 0.6], scale: 1.6, turn: 75.0, axis };
+            let arranged = place.arranged(&by).unwrap();
+            for point in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.4, -0.7]] {
+                let scaled = |place: &SpacePlace| place.placed(point.map(|along| place.scale.get() * along));
+                let (wanted, now) = (by.point(scaled(&place)), scaled(&arranged));
+                let all = now.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9);
+                assert!(all, "{turns:?} about axis {axis}: {now:?} {wanted:?}");
+            }
+        }
+    }
+}
+
+/// Nets and membranes in space are copied beside everything and removed; a net in the plane has no place of its own.
+#[test]
+fn cloth_is_copied_and_removed() {
+    for name in ["tablecloth", "cornell_cloth", "mit_cloth"] {
+        let mut sandbox = Sandbox::new(
+            gingerbread::files::parse(gingerbread::levels::built_in(name).unwrap(), name).unwrap(),
+            Box::new(NoFiles),
+        )
+        .unwrap();
+        let parts = |sandbox: &Sandbox| sandbox.document().level.part_names().cloned().collect::<Vec<_>>();
+        let (before, pins) = (parts(&sandbox), sandbox.simulation().scene().pins.len());
+        sandbox.apply(Command::CopyPart(0)).unwrap();
+        assert_eq!(parts(&sandbox).len(), before.len() + 1, "{name}");
+        let scene = sandbox.simulation().scene();
+        let ends = |part: usize| {
+            let own = scene.rest[scene.numbers(&scene.parts[part].vertices())].iter().step_by(3).copied();
+            [own.clone().fold(f64::INFINITY, f64::min), own.fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let copy = parts(&sandbox).iter().position(|part| !before.contains(part)).unwrap();
+        assert!((0..=before.len()).filter(|part| *part != copy).all(|part| ends(copy)[0] > ends(part)[1]), "{name}");
+        assert_eq!(scene.pins.len(), 2 * pins, "{name}: it is pinned like it");
+        sandbox.apply(Command::RemovePart(0)).unwrap();
+        assert_eq!(sandbox.simulation().scene().pins.len(), pins, "{name}");
+        sandbox.apply(Command::Undo).unwrap();
+        sandbox.apply(Command::Undo).unwrap();
+        assert_eq!(parts(&sandbox), before, "{name}");
+    }
+    let text = gingerbread::levels::built_in("hanging_net").unwrap();
+    let mut sandbox = Sandbox::new(gingerbread::files::parse(text, "hanging_net").unwrap(), Box::new(NoFiles)).unwrap();
+    let why = sandbox.apply(Command::CopyPart(0)).unwrap_err().to_string();
+    assert!(why.contains("net in the plane"), "{why}");
+    assert!(sandbox.apply(Command::RemovePart(7)).is_err());
 }

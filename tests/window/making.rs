@@ -204,6 +204,11 @@ fn drawings_and_pictures_become_bodies() {
     click_in_panel(&mut window, "Outline (SVG)…");
     type_path(&mut window, &outline, "Save");
     assert!(std::fs::read_to_string(&outline).unwrap().starts_with("<svg"), "the chosen body is the last one");
+    let count = |window: &Window| window.state().snapshot().bodies.len();
+    press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(count(&window), 1, "one drawing is one change");
+    press_with(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(count(&window), 3);
     let mut window = open("pendulum");
     drop_files(&mut window, &[&outline]);
     let now = window.state().snapshot();

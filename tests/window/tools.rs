@@ -444,6 +444,37 @@ fn obstacles_are_arranged_by_handles_and_numbers() {
     assert_eq!(obstacles(&window), before);
 }
 
+/// In space the tool of the menu moves cloth too; the view stays, and the move is one change to undo. The panel copies and removes it.
+#[test]
+fn cloth_in_space_is_arranged_by_hand_and_copied() {
+    let mut window = open("toronto_cloth");
+    click(&mut window, "Tool");
+    click(&mut window, "Arrange");
+    let place = |window: &Window| *window.state().snapshot().level.space(0).unwrap();
+    let before = place(&window);
+    let middle = stage(&window).center();
+    drag(&mut window, &[middle, middle + vec2(20.0, 0.0), middle + vec2(60.0, 0.0)], Modifiers::NONE);
+    let once = place(&window);
+    assert!(once != before && once.turn == before.turn && once.scale == before.scale, "{once:?}");
+    // The view has not followed it: the same drag from where it is now moves it as far again.
+    let from = middle + vec2(60.0, 0.0);
+    drag(&mut window, &[from, from + vec2(20.0, 0.0), from + vec2(60.0, 0.0)], Modifiers::NONE);
+    let twice = place(&window);
+    for axis in 0..3 {
+        let at = [before, once, twice].map(|place| place.offset.get()[axis]);
+        assert!((at[2] - at[1] - (at[1] - at[0])).abs() < 0.02 * (at[1] - at[0]).abs() + 1e-3, "{axis}: {at:?}");
+    }
+    for _ in 0..2 {
+        press_with(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(place(&window), before);
+    click_in_panel(&mut window, "Copy this membrane");
+    assert_eq!(window.state().snapshot().level.membranes.len(), 2);
+    click_in_panel(&mut window, "Remove this membrane");
+    let left: Vec<_> = window.state().snapshot().level.membranes.iter().map(|one| one.space).collect();
+    assert_eq!(left, [before], "the copy is chosen, and removed");
+}
+
 /// An obstacle that moves is gripped where it is seen at the start, and moves along.
 #[test]
 fn a_moving_obstacle_is_arranged_where_it_is_seen() {

@@ -62,6 +62,8 @@ pub struct Looking {
     viewpoint: Viewpoint,
     /// Name of the level that is seen.
     level: Option<String>,
+    /// Radius with which the scene in space opens \[m\].
+    opening_radius: f64,
     /// Changes that wait for the next frame.
     looks: Vec<Look>,
     /// Whether it was changed in the last frame.
@@ -207,14 +209,20 @@ impl Looking {
         let (canvas, snapshot) = (response.rect, scene.snapshot);
         let all = || Orbit::opening(&snapshot.start);
         let before = self.viewpoint.orbit;
-        let (_, orbit) = match &mut self.viewpoint.orbit {
-            Some(known) if known.0 == snapshot.generation => known,
-            known => {
-                // Another mesh of the same level does not turn the view.
-                let angles = known.as_ref().map_or(Orbit::ASLANT, |(_, orbit)| [orbit.yaw, orbit.pitch]);
-                known.insert((snapshot.generation, Orbit { yaw: angles[0], pitch: angles[1], ..all() }))
-            }
-        };
+        let known = self.viewpoint.orbit.filter(|(generation, _)| *generation == snapshot.generation);
+        let (_, orbit) = self.viewpoint.orbit.insert(known.unwrap_or_else(|| {
+            let opening = all();
+            let is_same_level = self.level.as_ref() == Some(&snapshot.level.name);
+            // What is put elsewhere in a level stays seen from where it was.
+            let stays = is_same_level && (0.5..=2.0).contains(&(opening.radius / self.opening_radius));
+            self.level = Some(snapshot.level.name.clone());
+            self.opening_radius = opening.radius;
+            let orbit = before.map_or(opening, |(_, seen)| {
+                // Another size does not turn the view.
+                if stays { seen } else { Orbit { yaw: seen.yaw, pitch: seen.pitch, ..opening } }
+            });
+            (snapshot.generation, orbit)
+        }));
         let gestures = Gestures::new(ui, response, 3);
         if gestures.moved != Vec2::ZERO {
             let moved = SpaceCamera::new(*orbit, canvas).moved(gestures.moved);
@@ -343,7 +351,7 @@ fn tools(ui: &mut Ui, Seen { snapshot, tool, .. }: Seen<'_>) -> Option<Tool> {
     }
     let mut chosen = None;
     let (button, _) = MenuButton::from_button(Button::new(tr(tool.name())).small()).ui(ui, |ui| {
-        let can_arrange = snapshot.dimension == 2 && snapshot.level.test.is_none();
+        let can_arrange = snapshot.level.test.is_none();
         for other in Tool::CHOICES.into_iter().filter(|other| *other != Tool::Arrange || can_arrange) {
             if ui.selectable_label(other == tool, tr(other.name())).on_hover_text(tr(other.about())).clicked() {
                 chosen = Some(other);

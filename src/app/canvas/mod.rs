@@ -181,9 +181,9 @@ impl Canvas {
         commands.extend(self.enclosure.follow(&response, around, (snapshot, points)));
         let under = self.pointed_triangle(&response, &frame).filter(|_| tool == Tool::Refine);
         commands.extend(self.refining.follow(&response, tool == Tool::Refine, snapshot, under));
-        let arranges = tool == Tool::Arrange && space.is_none() && snapshot.level.test.is_none();
+        let arranges = tool == Tool::Arrange && snapshot.level.test.is_none();
         if let Some(change) =
-            self.arranging.follow(&response, arranges, (snapshot, &camera), &|at| self.bodies.triangle_at(snapshot, at))
+            self.arranging.follow(&response, arranges, (snapshot, sight), &|at| self.bodies.triangle_at(snapshot, at))
         {
             commands.extend([change, Command::EndGesture]);
         }
@@ -269,9 +269,9 @@ impl Canvas {
         self.chosen_tool.take()
     }
 
-    /// The body that was chosen on the stage since the last call, by its number.
-    pub const fn take_body(&mut self) -> Option<usize> {
-        self.arranging.take_body()
+    /// The body, net or membrane that was chosen on the stage since the last call, by its number in this order.
+    pub const fn take_part(&mut self) -> Option<usize> {
+        self.arranging.take_part()
     }
 
     /// What was probed since the last call.
@@ -487,8 +487,8 @@ impl Canvas {
         self.drawing.draw(&mut self.front, view, pointer);
         self.enclosure.draw(&mut self.front, view);
         self.refining.draw(&mut self.front, view, snapshot, points);
-        self.arranging.draw(&mut self.front, view, snapshot);
         let sight = sight(frame, &self.surfaces);
+        self.arranging.draw(&mut self.front, view, snapshot, sight);
         self.ruler.draw(&mut self.front, view, sight, points);
         self.drawn_path.draw(&mut self.front, view, sight);
         notes::draw(&mut self.front, view, snapshot, sight, points);

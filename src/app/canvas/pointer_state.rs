@@ -64,6 +64,14 @@ impl Sight<'_> {
         }
     }
 
+    /// The axis nearest to the line of sight, and whether it points to the eye (1) or away from it (-1).
+    pub fn axis_of_sight(self) -> (usize, f64) {
+        match self {
+            Self::Plane(_) => (2, 1.0),
+            Self::Space(camera, _) => camera.axis_of_sight(),
+        }
+    }
+
     /// A point of the scene on the screen.
     pub fn seen(self, [x, y, z]: [f64; 3]) -> Pos2 {
         match self {

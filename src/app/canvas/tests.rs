@@ -1,11 +1,13 @@
 //! Tests of pointer input on the stage, frame by frame.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a failing test should panic")]
 
-use super::{Canvas, Options, camera};
+use super::{Canvas, Options, Tool, camera};
 use crate::{
     app::draw::space::{Orbit, SpaceCamera},
     command::{Command, Mode},
-    files, levels,
+    files,
+    level::SpacePlace,
+    levels,
     meshes::NoFiles,
     sandbox::Sandbox,
     snapshot::{Field, Snapshot},
@@ -260,4 +262,110 @@ fn the_right_button_turns_the_view_and_asks_for_nothing() {
         let click = [Event::PointerMoved(at), button(at, true), button(at, false)];
         assert_eq!(play(&mut harness, click), [Command::TogglePin(vertex)], "{name}");
     }
+}
+
+/// The only command for the place of a net or membrane, before the end of the gesture.
+fn placed(asked: &[Command]) -> SpacePlace {
+    match asked {
+        [Command::SetSpacePlace(0, place), Command::EndGesture] => *place,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Presses at one point of the screen, and lets go at another.
+fn dragged(from: Pos2, to: Pos2) -> [Event; 5] {
+    let way = [from, from.lerp(to, 0.5), to].map(Event::PointerMoved);
+    let [start, middle, end] = way;
+    [start, button(from, true), middle, end, button(to, false)]
+}
+
+/// In space a net or membrane follows the pointer along the screen and along an axis, is scaled by a corner, and turned about the axis that points to the eye.
+#[test]
+fn cloth_in_space_is_moved_scaled_and_turned_by_handles() {
+    for (level, vertex) in [("mit_cloth", 27), ("toronto_cloth", 200)] {
+        let opened = || {
+            let mut harness = bench_of(level, Mode::Edit);
+            harness.state_mut().options.tool = Tool::Arrange;
+            harness.run_steps(2);
+            harness
+        };
+        let mut harness = opened();
+        let start = harness.state().snapshot.start.clone();
+        let camera = space(&harness, Orbit::opening(&start));
+        let now = *harness.state().snapshot.level.space(0).unwrap();
+        let on_cloth = camera.seen(harness.state().snapshot.position(vertex).unwrap()).0;
+        let [least, most] = [f64::min, f64::max].map(|of| {
+            let all = start.as_chunks::<3>().0.iter();
+            all.copied().reduce(|a, b| [0, 1, 2].map(|axis| of(a[axis], b[axis]))).unwrap()
+        });
+        let (centre, half) =
+            ([0, 1, 2].map(|i| 0.5 * (least[i] + most[i])), [0, 1, 2].map(|i| 0.5 * (most[i] - least[i])));
+        let middle = camera.seen(centre).0;
+        // A drag along the screen moves the centre with the pointer, in the plane that faces the eye.
+        let place = placed(&play(&mut harness, dragged(on_cloth, on_cloth + vec2(40.0, -25.0))));
+        let moved = |place: SpacePlace| [0, 1, 2].map(|axis| place.offset.get()[axis] - now.offset.get()[axis]);
+        let to = camera.seen([0, 1, 2].map(|axis| centre[axis] + moved(place)[axis]));
+        assert!(to.0.distance(middle + vec2(40.0, -25.0)) < 0.05, "{level}: {to:?} {middle:?}");
+        assert!((to.1 / camera.seen(centre).1 - 1.0).abs() < 1e-6 && place.turn == now.turn, "{level}");
+        // The tip of an arrow moves along its axis alone.
+        let longest = half.into_iter().fold(0.0, f64::max);
+        for axis in 0..3 {
+            let (mut tip, mut along) = (centre, centre);
+            tip[axis] += half[axis] + 0.7 * longest;
+            along[axis] += 0.25 * longest;
+            let (tip, by) = (camera.seen(tip).0, camera.seen(along).0 - middle);
+            let place = placed(&play(&mut harness, dragged(tip, tip + by)));
+            let mut wanted = [0.0; 3];
+            wanted[axis] = 0.25 * longest;
+            let all = moved(place).iter().zip(wanted).all(|(a, b)| (a - b).abs() < 0.06 * longest);
+            assert!(
+                all && (0..3).all(|other| other == axis || moved(place)[other] == 0.0),
+                "{level} {axis}: {place:?}"
+            );
+        }
+        // A corner of the frame twice as far from the centre doubles it, about the centre.
+        let corners: Vec<_> = (0..8)
+            .map(|bits| camera.seen([0, 1, 2].map(|i| if bits >> i & 1 == 0 { least[i] } else { most[i] })).0)
+            .collect();
+        let corner = Rect::from_points(&corners).left_bottom();
+        let place = placed(&play(&mut harness, dragged(corner, middle + 1.3 * (corner - middle))));
+        assert!((place.scale.get() - 1.3).abs() < 1e-4, "{level}: {place:?}");
+        let centre_of = |place: SpacePlace| {
+            let local = [0, 1, 2].map(|axis| centre[axis] - now.offset.get()[axis]);
+            [0, 1, 2].map(|axis| place.offset.get()[axis] + place.scale.get() * local[axis])
+        };
+        assert!(centre_of(place).iter().zip(centre).all(|(a, b)| (a - b).abs() < 1e-9 * longest.max(1.0)), "{level}");
+        // The handle above, dragged to the right by a quarter, turns clockwise about z, which points to the eye.
+        let frame = Rect::from_points(&corners);
+        let above = |axis: usize| {
+            let mut tip = centre;
+            tip[axis] += half[axis] + 0.7 * longest;
+            camera.seen(tip).0.y
+        };
+        let handle = pos2(frame.center().x, (0..3).map(above).fold(frame.top(), f32::min) - 26.0);
+        let aside = middle - (handle - middle).rot90();
+        let place = placed(&play(&mut harness, dragged(handle, aside)));
+        let turned = |place: SpacePlace, point: [f64; 2]| place.turned(point);
+        for point in [[1.0, 0.0], [0.0, 1.0]] {
+            let ([x, y, z], after) = (turned(now, point), turned(place, point));
+            let wanted = [y, -x, z];
+            assert!(after.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3), "{level}: {after:?} {wanted:?}");
+        }
+    }
+}
+
+/// Of what is behind each other the nearest is chosen; an obstacle follows the pointer too, and is not turned.
+#[test]
+fn an_obstacle_in_space_is_moved_by_hand() {
+    let mut harness = bench_of("mit_sphere", Mode::Edit);
+    harness.state_mut().options.tool = Tool::Arrange;
+    harness.run_steps(2);
+    let camera = space(&harness, Orbit::opening(&harness.state().snapshot.start));
+    // The sphere swings, and begins at the end of its way.
+    let seen = camera.seen([0.7, -0.2, 2.1]).0;
+    let asked = play(&mut harness, dragged(seen, seen + vec2(30.0, 10.0)));
+    let [Command::SetEffect(2, effect), Command::EndGesture] = &asked[..] else { panic!("{asked:?}") };
+    let ([x, y, z], from) = (effect.effect.kind().obstacles()[0].kind().place(), [0.7, -0.2, 1.2]);
+    let by = camera.seen([x, y, z + 0.9]).0 - camera.seen([from[0], from[1], from[2] + 0.9]).0;
+    assert!((by - vec2(30.0, 10.0)).length() < 0.1, "{by:?}");
 }

@@ -26,7 +26,7 @@ pub enum Tool {
     Note,
     /// A drag prescribes the path of a vertex.
     DrawnPath,
-    /// A click chooses a body; drags of it and of its handles move, turn and scale it.
+    /// A click chooses a body, a cloth or an obstacle; drags of it and of its handles move, turn and scale it.
     Arrange,
 }
 
@@ -84,7 +84,7 @@ impl Tool {
                 "Drag a vertex: from now on it is held, and follows the path of the drag at the same speed. If it is pinned, all pins of its body move with it."
             }
             Self::Arrange => {
-                "Moves, turns and scales bodies and obstacles by handles. With a body the scene starts over; its pinned vertices stay pinned. With an obstacle it goes on."
+                "Moves, turns and scales bodies, cloth and obstacles by handles. With a body or a cloth the scene starts over; its pinned vertices stay pinned. With an obstacle it goes on."
             }
             Self::Note => {
                 "The next click places a note, which is saved with the level. A note on a vertex moves with it."
@@ -114,7 +114,7 @@ impl Tool {
                 "Drag a vertex: from now on it follows that path at the same speed. If it is pinned, all pins of its body move with it. Esc ends.",
             ),
             Self::Arrange => Some(
-                "Click a body or an obstacle, then drag it, a corner to scale it, or the handle above to turn it (Shift: in steps of 15°). Esc ends.",
+                "Click a body, a cloth or an obstacle, then drag it, a corner to scale it, or the handle above to turn it (Shift: in steps of 15°). In space arrows move along an axis. Esc ends.",
             ),
             Self::Note => Some(
                 "Click where the note should be. A note on a vertex moves with it. Its text is in the right panel. Esc ends.",

@@ -134,6 +134,14 @@ impl SpaceCamera {
         [0, 1, 2].map(|i| x * self.axes[0][i] + y * self.axes[1][i])
     }
 
+    /// The axis nearest to the line of sight, and whether it points to the eye (1) or away from it (-1).
+    pub fn axis_of_sight(&self) -> (usize, f64) {
+        let forwards = self.axes[2];
+        let steeper = |a: &usize, b: &usize| forwards[*a].abs().total_cmp(&forwards[*b].abs());
+        let axis = (0..3).max_by(steeper).unwrap_or(2);
+        (axis, -forwards[axis].signum())
+    }
+
     /// Length on the screen of a metre at the centre [points].
     pub fn length(&self) -> f32 {
         (self.scale / self.distance) as f32

@@ -15,7 +15,7 @@ use crate::{
     },
     command::{Command, Pose},
     elements::ElementKind,
-    level::{MassLevel, MembraneLevel, NetLevel, Pin, Place, SpacePlace},
+    level::{Level, MassLevel, MembraneLevel, NetLevel, Pin, Place, SpacePlace},
     materials::{MaterialParameters, Plane, PlaneStress},
     meshes::MeshKind,
     outlines::{Shape, to_svg},
@@ -41,7 +41,6 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
         });
         response.response.on_hover_text(tr("Which body the sliders below belong to")).accessible_name(tr("Body"));
     }
-    let others = names.len() > 1;
     ui.push_id(("body", view.body), |ui| {
         if let Some(body) = level.bodies.get(view.body) {
             let number = view.body;
@@ -59,21 +58,20 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             refinement(ui, now, &body.mesh, Some(number), commands);
             if level.test.is_none() {
                 place(ui, number, body.place, view, commands);
-                ui.horizontal_wrapped(|ui| {
-                    let help = "Adds a copy to the right of all bodies, with the same pins.";
-                    if ui.button(tr("Copy this body")).on_hover_text(tr(help)).clicked() {
-                        commands.push(Command::CopyBody(number));
-                        view.body = level.bodies.len();
-                    }
-                    if others && ui.button(tr("Remove this body")).clicked() {
-                        commands.push(Command::RemoveBody(number));
-                    }
-                });
+                copy_and_remove(
+                    ui,
+                    ["Copy this body", "Remove this body"],
+                    (level, level.bodies.len()),
+                    view,
+                    commands,
+                );
             }
         } else if let Some((number, listed)) = number.and_then(|number| Some((number, level.nets.get(number)?))) {
             show_net(ui, number, listed, view, commands);
             if let Some(place) = listed.space {
                 space_place(ui, number, place, view, commands);
+                let copy = level.bodies.len() + level.nets.len();
+                copy_and_remove(ui, ["Copy this net", "Remove this net"], (level, copy), view, commands);
             }
             pins(ui, view.body, &listed.pins, view, commands);
             if now.nets.get(number).is_some_and(|net| !net.faces.is_empty()) {
@@ -84,9 +82,30 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, (number, view.body), listed, area, view, commands);
             space_place(ui, number + level.nets.len(), listed.space, view, commands);
+            copy_and_remove(ui, ["Copy this membrane", "Remove this membrane"], (level, names.len()), view, commands);
             pins(ui, view.body, &listed.pins, view, commands);
             refinement(ui, now, &listed.mesh, None, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
+        }
+    });
+}
+
+/// Draws the buttons that copy and remove the chosen body, net or membrane; `number` is that of the copy.
+fn copy_and_remove(
+    ui: &mut Ui,
+    [copies, removes]: [&str; 2],
+    (level, number): (&Level, usize),
+    view: &mut View,
+    commands: &mut Vec<Command>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        let help = "Adds a copy to the right of everything, with the same pins.";
+        if ui.button(tr(copies)).on_hover_text(tr(help)).clicked() {
+            commands.push(Command::CopyPart(view.body));
+            view.body = number;
+        }
+        if level.part_names().count() > 1 && ui.button(tr(removes)).clicked() {
+            commands.push(Command::RemovePart(view.body));
         }
     });
 }
@@ -305,20 +324,21 @@ fn place(ui: &mut Ui, number: usize, mut place: Place, view: &mut View, commands
 /// Draws where a net or membrane (by number: nets first) is in space, and how it is turned.
 fn space_place(ui: &mut Ui, number: usize, mut place: SpacePlace, view: &mut View, commands: &mut Vec<Command>) {
     ui.collapsing(tr("Place"), |ui| {
-        let SpacePlace { turn: (about_x, about_y, about_z), offset: SpacePoint(x, y, z), .. } = &mut place;
-        let numbers: [(&str, &mut dyn Quantity); 6] = [
+        let SpacePlace { scale, turn: (about_x, about_y, about_z), offset: SpacePoint(x, y, z), .. } = &mut place;
+        let numbers: [(&str, &mut dyn Quantity); 7] = [
             ("place x", x),
             ("place y", y),
             ("place z", z),
             ("turn about x", about_x),
             ("turn about y", about_y),
             ("turn about z", about_z),
+            ("scale", scale),
         ];
         let sum = widgets::named_quantities(ui, numbers);
         apply_response(sum, Some(Command::SetSpacePlace(number, place)), view, commands);
     })
     .header_response
-    .on_hover_text(tr("Where the origin of its flat shape is at the start, and how that is turned: about x first, then y, then z. Another place starts over."));
+    .on_hover_text(tr("Where the origin of its flat shape is at the start, and how that is scaled and turned: about x first, then y, then z. Another place starts over. The tool Arrange does the same by hand."));
 }
 
 /// The mesh before all refinements, whose numbers can be changed.

@@ -67,7 +67,7 @@ pub fn show(
         change
     };
     let section = ui.indent("obstacles", |ui| ui.collapsing(tr("Arrange obstacles"), list)).inner;
-    let help = "Where the obstacles are. In flat scenes the tool Arrange moves, turns and scales those that have an end by hand.";
+    let help = "Where the obstacles are. The tool Arrange moves and scales those that have an end by hand, and turns them in flat scenes.";
     section.header_response.on_hover_text(tr(help));
     let change = section.body_returned.flatten();
     let ends = change.is_some();

@@ -203,7 +203,7 @@ pub struct MembraneLevel {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpacePlace {
-    /// Scale of the flat shape and of all lengths at rest. Pins are named in the scaled shape.
+    /// Scale of the flat shape, with the rest lengths of springs. Thickness, stiffnesses and masses of particles stay. Pins are named in the scaled shape.
     #[serde(skip_serializing_if = "is_same_size")]
     pub scale: Factor,
     /// Turns about x, y and z \[degrees\].
@@ -278,7 +278,7 @@ impl SpacePlace {
                 [libm::atan2(-c[1], b[1]), 0.0]
             };
             // Round-off of a whole number of degrees is no part of the level.
-            let angle = |radians: f64| Angle::new(1e-9 * libm::round(1e9 * radians.to_degrees())).ok();
+            let angle = |radians: f64| Angle::new(libm::round(1e9 * radians.to_degrees()) / 1e9).ok();
             arranged.turn = (angle(about_x)?, angle(about_y)?, angle(about_z)?);
         }
         Some(arranged)

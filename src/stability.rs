@@ -28,7 +28,7 @@ pub fn critical_step(scene: &Scene, state: &State, grab: Option<Grab>) -> Option
     probe.longest_step(scene, scene.motion(state, grab), square)
 }
 
-/// The same at rest, as if no contact were damped: what overlaps at rest would damp it without bound.
+/// Longest stable step of symplectic Euler at rest \[s\], as if no contact were damped: what overlaps at rest would damp it without bound.
 pub fn critical_step_at_rest(scene: &Scene) -> Option<f64> {
     let rest = State { x: scene.rest.clone(), v: vec![0.0; scene.rest.len()], ..State::default() };
     let mut probe = StabilityProbe { ignores_contact_damping: true, ..StabilityProbe::default() };

@@ -51,6 +51,10 @@ fn a_typed_energy_is_judged_as_the_model_that_it_copies() {
     for (name, methods) in [("stretch_2", &Method::ALL[..]), ("cloth_needle", &[Method::ImplicitEuler])] {
         for method in methods {
             let own = case(name);
+            let level = own.clone().with_energy(Some(Arc::clone(&typed))).level(Case::TYPED, *method);
+            let mut energies =
+                level.bodies.iter().map(|body| &body.energy).chain(level.membranes.iter().map(|one| &one.energy));
+            assert!(energies.all(|energy| energy.as_ref() == Some(&*typed)), "{name}");
             let [built_in, typed] = [None, Some(Arc::clone(&typed))]
                 .map(|energy| verdict(&own.clone().with_energy(energy), Case::TYPED, *method));
             assert_eq!(typed.is_stable(), built_in.is_stable(), "{name} {method:?}");

@@ -28,6 +28,17 @@ impl Trial {
         if self.case.energy().is_some() { "Typed" } else { self.model.name() }
     }
 
+    /// The same with the formula and the parameters of a typed energy.
+    pub fn whole_material(&self) -> String {
+        self.case.energy().map_or_else(
+            || self.model.name().to_owned(),
+            |energy| {
+                let parameters = energy.parameters().iter().map(|(name, value)| format!("; {name} = {value}"));
+                format!("Typed {}{}", energy.text(), parameters.collect::<String>())
+            },
+        )
+    }
+
     /// Name of the case, with a mark if this is its undamped twin.
     pub fn title(&self) -> String {
         let twin = if self.case.is_undamped_twin() { " undamped" } else { "" };

@@ -26,7 +26,7 @@ pub fn row(trial: &Trial, verdict: &Verdict, found: Option<Experiment>) -> Strin
     let cells = [
         name.as_str(),
         yes(case.is_undamped_twin()),
-        trial.material(),
+        &trial.whole_material(),
         method.name(),
         yes(verdict.held()),
         yes(verdict.is_stable()),

@@ -17,7 +17,7 @@ const NO_BODY: Refused = Refused::NotHere("there is no such body");
 const ROLLERS: Refused =
     Refused::NotHere("a body on rollers cannot be turned here: its rollers are along one of its sides");
 const EDGES: Refused = Refused::NotHere(
-    "a load names edges of this body by their place: name them by a side, such as Left, before the body is moved",
+    "a load names edges by their place: name them by a side, such as Left, before what it acts on is moved or scaled",
 );
 
 impl Sandbox {
@@ -132,8 +132,13 @@ impl Sandbox {
         let own = || along(vertices.clone());
         let end = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::NEG_INFINITY, f64::max);
         let begin = own().fold(f64::INFINITY, f64::min);
-        let (width, right) = (end(&mut own()) - begin, end(&mut along(0..scene.vertices())));
-        let to_right = right - begin + 0.1 * width;
+        let right = end(&mut along(0..scene.vertices()));
+        // What is flat across x is as far apart as it is large.
+        let extent = |axis: usize| {
+            let all = || scene.rest[scene.numbers(&vertices)].iter().skip(axis).step_by(step).copied();
+            end(&mut all()) - all().fold(f64::INFINITY, f64::min)
+        };
+        let to_right = right - begin + 0.1 * (0..step).map(extent).fold(0.0, f64::max);
         let beside = |place: SpacePlace| {
             let [x, y, z] = place.offset.get();
             let offset = SpacePoint::new([x + to_right, y, z]).map_err(|_| NO_ROOM)?;

@@ -1,6 +1,6 @@
 //! Builds the membranes of a scene.
 
-use super::{Scene, material_of, numbering, start::reshape, stretched};
+use super::{Scene, check_areas, material_of, numbering, start::reshape, stretched};
 use crate::{
     elements::Membranes,
     level::MembraneLevel,
@@ -16,8 +16,8 @@ pub struct Membrane {
     pub name: String,
     /// Parameters of the mesh.
     recipe: MeshKind,
-    /// Factor of its lengths.
-    scale: f64,
+    /// The mesh of that recipe, and the factor of its lengths.
+    unscaled: (Arc<Mesh>, f64),
     /// The mesh, which is flat, in its own coordinates.
     pub mesh: Arc<Mesh>,
     /// Its vertices in the scene.
@@ -42,17 +42,16 @@ impl Scene {
     ) -> Result<(), String> {
         let scale = level.space.scale.get();
         let before = previous.into_iter().flat_map(|scene| &scene.membranes);
-        let known = self
-            .membranes
-            .iter()
-            .chain(before)
-            .find(|membrane| membrane.recipe == level.mesh && membrane.scale == scale);
-        let mesh = if let Some(membrane) = known {
-            Arc::clone(&membrane.mesh)
-        } else {
-            let mesh = level.mesh.kind().build(files).map_err(|error| error.to_string())?;
-            let mesh = numbering::mesh(mesh);
-            Arc::new(if scale == 1.0 { mesh } else { mesh.scaled(scale) })
+        let known = || self.membranes.iter().chain(before.clone()).filter(|membrane| membrane.recipe == level.mesh);
+        let unscaled = match known().next() {
+            Some(membrane) => Arc::clone(&membrane.unscaled.0),
+            None => Arc::new(numbering::mesh(level.mesh.kind().build(files).map_err(|error| error.to_string())?)),
+        };
+        let same = known().find(|membrane| membrane.unscaled.1 == scale).map(|membrane| Arc::clone(&membrane.mesh));
+        let mesh = match same {
+            Some(mesh) => mesh,
+            None if scale == 1.0 => Arc::clone(&unscaled),
+            None => Arc::new(unscaled.scaled(scale)),
         };
         let others = self.membranes.iter().map(|membrane| membrane.elements.corners().len());
         let total = mesh.triangles().len() + others.sum::<usize>();
@@ -70,6 +69,7 @@ impl Scene {
         }
         let material = material_of(level.energy.as_ref(), level.material)?;
         let elements = Arc::new(Membranes::new(vertices.clone(), &mesh, material, level.thickness.get()));
+        check_areas(elements.rest_areas(), mesh.numbering())?;
         let areas = || elements.corners().iter().copied().zip(elements.rest_areas());
         self.add_masses(level.mass, &vertices, elements.thickness(), areas);
         let pins = pinned(&level.pins, flat, mesh.numbering())?;
@@ -83,7 +83,8 @@ impl Scene {
         Arc::make_mut(&mut self.pins).extend(pins.iter().map(|pin| pin + first as u32));
         self.messages.extend(mesh.messages().iter().map(|message| format!("{}: {message}", level.name)));
         let (name, recipe) = (level.name.clone(), level.mesh.clone());
-        self.membranes.push(Membrane { name, recipe, scale, mesh, vertices, elements });
+        let unscaled = (unscaled, scale);
+        self.membranes.push(Membrane { name, recipe, unscaled, mesh, vertices, elements });
         Ok(())
     }
 }

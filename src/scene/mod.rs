@@ -27,7 +27,7 @@ use crate::{
     integrators::{IntegratorKind, Scheme},
     level::{BodyLevel, Level, MassLevel, RunMode, SavedState, Sleep, Substeps, Toggle},
     materials::{MaterialParameters, TypedEnergy},
-    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, nearest, on_edge, pinned},
+    meshes::{Files, MOST_TRIANGLES, Mesh, MeshKind, Numbering, nearest, on_edge, pinned},
     quantity::{Factor, Position},
     solvers::ConstraintRows,
     state::State,
@@ -555,10 +555,7 @@ impl Scene {
             triangles.of_kind(level.element, &self.rest, &mesh)
         };
         let elements = Arc::new(elements);
-        if let Some(flat) = elements.rest_areas().position(|area| !(area.is_normal() && area > 0.0)) {
-            let flat = numbering.element_name(flat);
-            return Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"));
-        }
+        check_areas(elements.rest_areas(), numbering)?;
         let areas = || elements.corners().iter().copied().zip(elements.rest_areas());
         let masses = self.add_masses(level.mass, &vertices, 1.0, areas);
         let rest = &self.rest[self.numbers(&vertices)];
@@ -658,6 +655,15 @@ fn check_kind(level: &Level) -> Result<(), SceneError> {
         return Err(SceneError::ToyWithOthers);
     }
     check_toy_integrator(&level.integrator)
+}
+
+/// Refuses a triangle without an area at rest.
+fn check_areas(mut areas: impl Iterator<Item = f64>, numbering: &Numbering) -> Result<(), String> {
+    let flat = areas.position(|area| !(area.is_normal() && area > 0.0));
+    flat.map_or(Ok(()), |flat| {
+        let flat = numbering.element_name(flat);
+        Err(format!("its place leaves triangle {flat} no area: numbers are not fine enough there"))
+    })
 }
 
 /// The material of a typed energy, or of the model.

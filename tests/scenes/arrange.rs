@@ -361,9 +361,28 @@ fn cloth_is_copied_and_removed() {
         sandbox.apply(Command::Undo).unwrap();
         assert_eq!(parts(&sandbox), before, "{name}");
     }
+    // What is flat across x gets a copy beside it, not on it.
+    let mut level =
+        gingerbread::files::parse(gingerbread::levels::built_in("tablecloth").unwrap(), "tablecloth").unwrap();
+    level.membranes[0].space.turn = (Angle::new(0.0).unwrap(), Angle::new(90.0).unwrap(), Angle::new(0.0).unwrap());
+    let mut sandbox = Sandbox::new(level, Box::new(NoFiles)).unwrap();
+    sandbox.apply(Command::CopyPart(0)).unwrap();
+    let offset = |part: usize| sandbox.document().level.space(part).unwrap().offset.get()[0];
+    assert!(offset(1) - offset(0) > 0.1, "{}", offset(1) - offset(0));
     let text = gingerbread::levels::built_in("hanging_net").unwrap();
     let mut sandbox = Sandbox::new(gingerbread::files::parse(text, "hanging_net").unwrap(), Box::new(NoFiles)).unwrap();
     let why = sandbox.apply(Command::CopyPart(0)).unwrap_err().to_string();
     assert!(why.contains("net in the plane"), "{why}");
     assert!(sandbox.apply(Command::RemovePart(7)).is_err());
+}
+
+#[test]
+fn a_cloth_too_small_for_numbers_is_refused_in_words() {
+    let text = gingerbread::levels::built_in("flag").unwrap();
+    let mut sandbox = Sandbox::new(gingerbread::files::parse(text, "flag").unwrap(), Box::new(NoFiles)).unwrap();
+    let before = *sandbox.document().level.space(0).unwrap();
+    let place = SpacePlace { scale: Factor::new(1e-200).unwrap(), ..before };
+    let why = sandbox.apply(Command::SetSpacePlace(0, place)).unwrap_err().to_string();
+    assert!(why.contains("no area"), "{why}");
+    assert_eq!(*sandbox.document().level.space(0).unwrap(), before, "the scene stays");
 }

@@ -28,6 +28,9 @@ const REACH: f32 = 14.0;
 /// Distance of the handle that turns from the box [points].
 const ABOVE: f32 = 26.0;
 
+/// Farthest move along an axis, in halves of the longest side.
+const FARTHEST: f64 = 1e3;
+
 /// Turns with Shift are multiples of this [°].
 const TURN: f64 = 15.0;
 
@@ -47,8 +50,9 @@ struct Drag {
     grip: Grip,
     /// Where it began, in space as deep as the centre \[m\].
     from: [f64; 3],
-    /// Centre of the frame then \[m\].
+    /// Centre of the frame then, and half of its longest side \[m\].
     centre: [f64; 3],
+    reach: f64,
     /// Axis about which it turns.
     axis: usize,
     /// Turn in the plane then \[degrees\].
@@ -189,6 +193,7 @@ impl Arranging {
             grip: grip.unwrap_or(Grip::Move),
             from: sight.as_deep_as(origin, frame.centre),
             centre: frame.centre,
+            reach: frame.half.into_iter().fold(0.0, f64::max),
             axis: sight.axis_of_sight().0,
             turn: chosen.turn(&snapshot.level),
             change: Similarity::NONE,
@@ -455,7 +460,7 @@ impl Drag {
             }
             Grip::Along(axis) => {
                 let mut to = [0.0; 3];
-                to[axis] = self.along(sight, axis, at - from);
+                to[axis] = self.along(sight, axis, at - from).unwrap_or(self.change.to[axis]);
                 Similarity { to, ..Similarity::NONE }
             }
             Grip::Scale => Similarity { scale: f64::from(to.length() / from.length()), ..about },
@@ -468,21 +473,30 @@ impl Drag {
         }
     }
 
-    /// Displacement of the centre along an axis \[m\] with which it is seen nearest to a point of the screen.
-    fn along(&self, sight: Sight<'_>, axis: usize, wanted: Pos2) -> f64 {
+    /// Displacement of the centre along an axis \[m\] with which it is seen nearest to a point of the screen; `None` where there is none, as beyond the point
+    /// at which the axis vanishes.
+    fn along(&self, sight: Sight<'_>, axis: usize, wanted: Pos2) -> Option<f64> {
         /// Iterations of Newton's method: perspective bends little.
-        const ITERATIONS: u32 = 6;
+        const ITERATIONS: u32 = 8;
+        /// Farthest place from what was asked [points].
+        const CLOSE: f32 = 1.0;
         let moved = |by: f64| {
             let mut point = self.centre;
             point[axis] += by;
-            sight.seen(point)
+            point
         };
-        let length = self.centre.iter().zip(self.from).map(|(a, b)| (a - b).abs()).fold(1e-9, f64::max);
-        (0..ITERATIONS).fold(0.0, |by, _| {
-            let (here, next) = (moved(by), moved(by + length));
-            let (step, left) = (next - here, wanted - here);
-            if step.length_sq() > 0.0 { by + length * f64::from(left.dot(step) / step.length_sq()) } else { by }
-        })
+        let start = sight.seen(self.centre);
+        let length = 1e-3 * self.reach.max(f64::MIN_POSITIVE);
+        let along = |by: f64| (sight.seen(moved(by + length)) - sight.seen(moved(by))) / length as f32;
+        // What is asked for on the line that the axis is on the screen.
+        let line = along(0.0).normalized();
+        let wanted = start + line * (wanted - start).dot(line);
+        let by = (0..ITERATIONS).fold(0.0, |by, _| {
+            let slope = along(by);
+            let next = by + f64::from((wanted - sight.seen(moved(by))).dot(slope) / slope.length_sq());
+            if next.is_finite() { next.clamp(-FARTHEST * self.reach, FARTHEST * self.reach) } else { by }
+        });
+        (sight.shows(moved(by)) && sight.seen(moved(by)).distance(wanted) <= CLOSE).then_some(by)
     }
 }
 
@@ -505,14 +519,19 @@ fn surface_at(kind: &ObstacleKind, snapshot: &Snapshot, time: f64) -> Option<Tri
 }
 
 /// Depth \[m\] of the nearest of some facets at a point of the screen, given by their points there with their depths, and by the number of the first of these.
+/// Facets with a corner behind the eye are passed over.
 fn depth_of_facets(points: &[(Pos2, f64)], (first, facets): (usize, &[[u32; 3]]), at: Pos2) -> Option<f64> {
     let depth = |facet: &[u32; 3]| {
-        let [a, b, c] = facet.map(|corner| points.get(corner as usize - first));
+        let [a, b, c] = facet.map(|corner| points.get(corner as usize - first).filter(|(_, depth)| *depth > 0.0));
         let corners = [a?, b?, c?];
-        let turn = |a: Pos2, b: Pos2| (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
+        let turn = |a: Pos2, b: Pos2| f64::from((b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x));
+        // The turn over a side is the share of the corner opposite to it, times the same for all.
         let turns = [0, 1, 2].map(|side| turn(corners[side].0, corners[(side + 1) % 3].0));
         let is_inside = turns.iter().all(|turn| *turn >= 0.0) || turns.iter().all(|turn| *turn <= 0.0);
-        is_inside.then(|| corners.iter().map(|(_, depth)| depth).sum::<f64>() / 3.0)
+        let whole: f64 = turns.iter().sum();
+        // On the screen the inverse of the depth is linear.
+        let inverse = (0..3).map(|side| turns[side] / corners[(side + 2) % 3].1).sum::<f64>() / whole;
+        (is_inside && whole != 0.0).then(|| inverse.recip())
     };
     facets.iter().filter_map(depth).reduce(f64::min)
 }

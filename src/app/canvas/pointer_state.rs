@@ -72,6 +72,14 @@ impl Sight<'_> {
         }
     }
 
+    /// Whether a point of the scene is before the eye.
+    pub fn shows(self, point: [f64; 3]) -> bool {
+        match self {
+            Self::Plane(_) => true,
+            Self::Space(camera, _) => camera.shows(point),
+        }
+    }
+
     /// A point of the scene on the screen.
     pub fn seen(self, [x, y, z]: [f64; 3]) -> Pos2 {
         match self {

@@ -134,6 +134,11 @@ impl SpaceCamera {
         [0, 1, 2].map(|i| x * self.axes[0][i] + y * self.axes[1][i])
     }
 
+    /// Whether a point of space is before the eye, and not too near to it.
+    pub fn shows(&self, point: [f64; 3]) -> bool {
+        self.seen(point).1 > self.near
+    }
+
     /// The axis nearest to the line of sight, and whether it points to the eye (1) or away from it (-1).
     pub fn axis_of_sight(&self) -> (usize, f64) {
         let forwards = self.axes[2];

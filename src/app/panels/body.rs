@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
                 copy_and_remove(
                     ui,
                     ["Copy this body", "Remove this body"],
-                    (level, level.bodies.len()),
+                    (level, Some(level.bodies.len())),
                     view,
                     commands,
                 );
@@ -70,9 +70,9 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             show_net(ui, number, listed, view, commands);
             if let Some(place) = listed.space {
                 space_place(ui, number, place, view, commands);
-                let copy = level.bodies.len() + level.nets.len();
-                copy_and_remove(ui, ["Copy this net", "Remove this net"], (level, copy), view, commands);
             }
+            let copy = listed.space.map(|_| level.bodies.len() + level.nets.len());
+            copy_and_remove(ui, ["Copy this net", "Remove this net"], (level, copy), view, commands);
             pins(ui, view.body, &listed.pins, view, commands);
             if now.nets.get(number).is_some_and(|net| !net.faces.is_empty()) {
                 finish::show(ui, number, &listed.finish, number + level.membranes.len(), view, commands);
@@ -82,7 +82,13 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
             let area = || now.membranes.get(number).map_or(0.0, |shown| shown.mesh.area());
             show_membrane(ui, (number, view.body), listed, area, view, commands);
             space_place(ui, number + level.nets.len(), listed.space, view, commands);
-            copy_and_remove(ui, ["Copy this membrane", "Remove this membrane"], (level, names.len()), view, commands);
+            copy_and_remove(
+                ui,
+                ["Copy this membrane", "Remove this membrane"],
+                (level, Some(names.len())),
+                view,
+                commands,
+            );
             pins(ui, view.body, &listed.pins, view, commands);
             refinement(ui, now, &listed.mesh, None, commands);
             finish::show(ui, number + level.nets.len(), &listed.finish, number, view, commands);
@@ -90,19 +96,21 @@ pub fn show(ui: &mut Ui, now: &Snapshot, view: &mut View, commands: &mut Vec<Com
     });
 }
 
-/// Draws the buttons that copy and remove the chosen body, net or membrane; `number` is that of the copy.
+/// Draws the buttons that copy and remove the chosen body, net or membrane; `copy` is the number of its copy, if it can have one.
 fn copy_and_remove(
     ui: &mut Ui,
     [copies, removes]: [&str; 2],
-    (level, number): (&Level, usize),
+    (level, copy): (&Level, Option<usize>),
     view: &mut View,
     commands: &mut Vec<Command>,
 ) {
     ui.horizontal_wrapped(|ui| {
         let help = "Adds a copy to the right of everything, with the same pins.";
-        if ui.button(tr(copies)).on_hover_text(tr(help)).clicked() {
+        if let Some(copy) = copy
+            && ui.button(tr(copies)).on_hover_text(tr(help)).clicked()
+        {
             commands.push(Command::CopyPart(view.body));
-            view.body = number;
+            view.body = copy;
         }
         if level.part_names().count() > 1 && ui.button(tr(removes)).clicked() {
             commands.push(Command::RemovePart(view.body));

@@ -96,15 +96,19 @@ fn top(ui: &mut Ui, context: &PanelContext<'_>, view: &mut View, known: &Known) 
             about: model.formula(),
             on: choice.model == Some(*model) && choice.energy.is_none(),
         }));
-        let typed = context.now.level.energy(view.body).or(choice.energy.as_deref());
-        parts.extend(typed.map(|energy| Segment {
+        let typed = context.now.level.energy(view.body).or(choice.energy.as_deref()).cloned();
+        // The choice follows its formula.
+        if choice.energy.is_some() && choice.energy.as_deref() != typed.as_ref() {
+            choice.energy = typed.clone().map(Arc::new);
+        }
+        parts.extend(typed.as_ref().map(|energy| Segment {
             text: "ψ",
             name: "Typed energy of the cases",
             about: energy.text(),
             on: choice.energy.is_some(),
         }));
         if let Some(clicked) = segmented(ui, "hard materials", &parts, false) {
-            let energy = typed.filter(|_| clicked > Model::ALL.len()).cloned().map(Arc::new);
+            let energy = typed.clone().filter(|_| clicked > Model::ALL.len()).map(Arc::new);
             choice.model = match clicked.checked_sub(1).and_then(|number| Model::ALL.get(number).copied()) {
                 None if energy.is_some() => Some(Case::TYPED),
                 model => model,

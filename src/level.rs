@@ -256,9 +256,7 @@ impl SpacePlace {
         let ([x, y, z], [dx, dy, dz]) = (self.turned_from_plane(point), self.offset.get());
         [x + dx, y + dy, z + dz]
     }
-}
 
-impl SpacePlace {
     /// The place after a similarity transform; velocities stay. `None` if a number would leave its range.
     pub fn arranged(&self, by: &Similarity) -> Option<Self> {
         let mut arranged = *self;

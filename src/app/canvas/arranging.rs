@@ -487,12 +487,13 @@ impl Drag {
         };
         let start = sight.seen(self.centre);
         let length = 1e-3 * self.reach.max(f64::MIN_POSITIVE);
-        let along = |by: f64| (sight.seen(moved(by + length)) - sight.seen(moved(by))) / length as f32;
+        // Points of the screen per metre.
+        let slope = |by: f64| (sight.seen(moved(by + length)) - sight.seen(moved(by))) / length as f32;
         // What is asked for on the line that the axis is on the screen.
-        let line = along(0.0).normalized();
+        let line = slope(0.0).normalized();
         let wanted = start + line * (wanted - start).dot(line);
         let by = (0..ITERATIONS).fold(0.0, |by, _| {
-            let slope = along(by);
+            let slope = slope(by);
             let next = by + f64::from((wanted - sight.seen(moved(by))).dot(slope) / slope.length_sq());
             if next.is_finite() { next.clamp(-FARTHEST * self.reach, FARTHEST * self.reach) } else { by }
         });
